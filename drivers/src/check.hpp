@@ -1,0 +1,46 @@
+// What a scenario would be when run: whether it fits, how near it comes to the limits of the
+// method, and what it costs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenario.hpp"
+#include "units.hpp"
+
+namespace ductile::drivers {
+
+/// Smallest distance between surfaces; lattice spacings.
+struct Gap {
+  std::string first;    ///< a body's name
+  std::string second;   ///< a body's name, or "" for a wall
+  double distance = 0;  ///< negative where they overlap (only its sign then counts)
+};
+
+/// The gaps of every body to the walls, to every other body and to its own periodic images; only
+/// the nearest image counts.
+std::vector<Gap> gaps(const Scenario& scenario, const LatticeSetup& setup);
+
+/// Throws ScenarioError if a body is in a wall or in another body, or if there are too few nodes
+/// across a gap: 2 lattice spacings to a wall, so that the kernel's stencil stays in the fluid, 1
+/// between bodies.
+void check_geometry(const Scenario& scenario, const LatticeSetup& setup);
+
+/// Largest k_s and k_v, in lattice units, at which explicit coupling was stable (measured at 36
+/// nodes across, a = 7.2; they hardly depend on the mesh), for this tau.
+double stable_shear_modulus(double tau);
+double stable_volume_modulus(double tau);
+
+/// What a user should know before trusting the run, one line each.
+std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup);
+
+/// Bytes of the fluid's populations on all ranks.
+double population_bytes(const Scenario& scenario, const LatticeSetup& setup);
+
+/// Seconds until the time limit on so many cores, from an assumed speed (see check.cpp).
+double estimated_seconds(const LatticeSetup& setup, int cores);
+
+/// The report of `ductile check`.
+std::string report(const Scenario& scenario, const LatticeSetup& setup, int cores);
+
+}  // namespace ductile::drivers

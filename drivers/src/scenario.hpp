@@ -1,0 +1,142 @@
+// A scenario: what a run computes, in the paper's non-dimensional units. Lengths are in W, the
+// channel's half-width along x, times in W^2/nu, velocities in nu/W, densities in rho.
+//
+// The keys of the TOML file are the members below, by the same names; keys.cpp holds their bounds,
+// units and descriptions.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ductile/fluid/fluid.hpp"
+#include "ductile/membrane/shell.hpp"
+
+namespace ductile::drivers {
+
+enum class Start { developed, rest };
+enum class BodyKind { capsule, rigid };
+enum class BodyShape { sphere, biconcave };
+
+/// [channel]: |x| < 1, |y| < half_width_y, periodic along z.
+struct ChannelOptions {
+  int nodes = 36;
+  fluid::Boundary walls = fluid::Boundary::halfway;
+  bool side_walls = true;
+  double half_width_y = 1;
+  double length = 12;
+  double reynolds = 10;
+  std::array<double, 2> wall_velocity{0, 0};
+  std::array<double, 3> gravity{0, 0, 0};
+  Start start = Start::developed;
+  bool operator==(const ChannelOptions&) const = default;
+};
+
+/// [fluid]
+struct FluidOptions {
+  double tau = 1;
+  fluid::Collision collision = fluid::Collision::bgk;
+  double magic = 3.0 / 16.0;
+  fluid::Storage storage = fluid::Storage::double_precision;
+  bool operator==(const FluidOptions&) const = default;
+};
+
+/// [membrane]: of every capsule that does not say otherwise.
+struct MembraneOptions {
+  membrane::StrainLaw law = membrane::StrainLaw::skalak;
+  double area_ratio = 2;
+  double bending = 2.87e-3;
+  double volume_modulus = 75000;
+  double mobility = 1e-3;
+  std::string integrator = "explicit-euler";
+  double edge = 1.2;
+  int frequency = 0;
+  bool operator==(const MembraneOptions&) const = default;
+};
+
+/// [rigid]: of every rigid body that does not say otherwise.
+struct RigidOptions {
+  int iterations = 5;
+  double edge = 1.2;
+  int frequency = 0;
+  bool operator==(const RigidOptions&) const = default;
+};
+
+/// [[body]]. `membrane` counts for capsules, `rigid` and `density_ratio` for rigid bodies alone;
+/// their keys stand directly in [[body]].
+struct BodyOptions {
+  std::string name;
+  BodyKind kind = BodyKind::capsule;
+  BodyShape shape = BodyShape::sphere;
+  double radius = 0.4;
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  std::array<double, 3> rotation_axis{0, 1, 0};
+  double rotation_angle = 0;  ///< degrees
+  double laplace = 0;         ///< capsules; required in the file
+  double density_ratio = 1;   ///< rigid bodies
+  MembraneOptions membrane;
+  RigidOptions rigid;
+  bool operator==(const BodyOptions&) const = default;
+};
+
+/// [run]
+struct RunLimits {
+  double time_limit = 60;
+  double stop_distance = 10;
+  bool until_decided = true;
+  bool operator==(const RunLimits&) const = default;
+};
+
+/// [output]: sampling intervals, in W^2/nu; 0 is off.
+struct OutputOptions {
+  double every = 0.05;
+  double surfaces_every = 0.5;
+  double field_every = 0;
+  bool operator==(const OutputOptions&) const = default;
+};
+
+struct Scenario {
+  std::string name;
+  ChannelOptions channel;
+  FluidOptions fluid;
+  MembraneOptions membrane;
+  RigidOptions rigid;
+  std::vector<BodyOptions> bodies;
+  RunLimits run;
+  OutputOptions output;
+  bool operator==(const Scenario&) const = default;
+};
+
+/// A value given outside of the file: `key` is "channel.nodes", or "body.NAME.x" for the body of
+/// that name; `value` is TOML, or a string without its quotes; `origin` is how messages call it
+/// ("--set channel.nodes=24").
+struct Override {
+  std::string key;
+  std::string value;
+  std::string origin;
+};
+
+/// The scenario that `text` describes, with the overrides applied in their order and all defaults
+/// in. `file` is what messages call the text; without `name` in it, the scenario is called after
+/// file's stem. Checks all that can be known without running: keys, types, bounds, the Mach number
+/// and whether bodies fit into the channel and its lattice.
+/// Throws InputError.
+Scenario parse_scenario(std::string_view text, const std::string& file,
+                        const std::vector<Override>& overrides = {});
+
+/// parse_scenario() of a file. Throws InputError also if it cannot be read.
+Scenario load_scenario(const std::filesystem::path& file,
+                       const std::vector<Override>& overrides = {});
+
+/// The scenario as TOML, every key that applies with its unit and meaning as a comment.
+/// parse_scenario() of it gives the identical scenario.
+std::string resolved_toml(const Scenario& scenario);
+
+/// Every key with type, bounds, default, unit and meaning, for people to read.
+std::string describe_keys();
+
+}  // namespace ductile::drivers

@@ -1,0 +1,13 @@
+// Versions of the program and of what it is built from.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ductile::drivers {
+
+/// Name and version of the program, the compiler and the libraries, the program first.
+std::vector<std::pair<std::string, std::string>> versions();
+
+}  // namespace ductile::drivers
