@@ -2,6 +2,7 @@
 // method, and what it costs.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,15 +11,19 @@
 
 namespace ductile::drivers {
 
-/// Smallest distance between surfaces; lattice spacings.
+/// Smallest distance between two surfaces.
 struct Gap {
-  std::string first;    ///< a body's name
-  std::string second;   ///< a body's name, or "" for a wall
-  double distance = 0;  ///< negative where they overlap (only its sign then counts)
+  enum class To { wall, body, image };
+  To to = To::wall;
+  std::size_t body = 0;   ///< index in Scenario::bodies
+  std::size_t other = 0;  ///< the other body's index; for a wall, its axis: 0 for x, 1 for y
+  double distance = 0;    ///< lattice spacings; negative where they overlap
 };
 
-/// The gaps of every body to the walls, to every other body and to its own periodic images; only
-/// the nearest image counts.
+/// The gaps of every body to the nearer wall of each axis, to every other body (the nearest image
+/// of it) and to its own images. That between two biconcave cells is taken between the vertices of
+/// fine meshes, a few per cent too long for very small gaps; where bodies overlap only the sign of
+/// the distance counts.
 std::vector<Gap> gaps(const Scenario& scenario, const LatticeSetup& setup);
 
 /// Throws ScenarioError if a body is in a wall or in another body, or if there are too few nodes
@@ -33,6 +38,10 @@ double stable_volume_modulus(double tau);
 
 /// What a user should know before trusting the run, one line each.
 std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup);
+
+/// What the lattice or a default has made of the scenario that is not as the paper or the user has
+/// it, one line each: a smaller volume modulus, lengths rounded to whole nodes.
+std::vector<std::string> notes(const Scenario& scenario, const LatticeSetup& setup);
 
 /// Bytes of the fluid's populations on all ranks.
 double population_bytes(const Scenario& scenario, const LatticeSetup& setup);

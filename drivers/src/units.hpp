@@ -68,6 +68,8 @@ double half_width(int nodes, fluid::Boundary walls);
 /// plates (no side walls). `half_width_y` in W.
 double poiseuille_coefficient(double half_width_y, bool side_walls);
 
+constexpr double paper_volume_modulus = 75000;  ///< rho nu^2/W^2
+
 /// The volume modulus used where the scenario names none, in rho nu^2/W^2: the paper's 75000, or
 /// where that is above 1.5 in lattice units, what 1.5 comes to, rounded down to three digits. The
 /// explicit scheme is stable up to about 4 lattice units.

@@ -1,0 +1,196 @@
+#include "command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string_view>
+
+#include "errors.hpp"
+#include "keys.hpp"
+#include "pairs.hpp"
+#include "version.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+constexpr std::string_view about =
+    "Particles and capsules in inertial microfluidics: a lattice-Boltzmann fluid, elastic capsules "
+    "and rigid bodies, coupled by the immersed-boundary method.";
+
+constexpr std::string_view footer =
+    "Exit codes: 0 success, 1 the run could not be done, 2 wrong input (nothing is written),\n"
+    "3 the fluid or a body became unstable.\n"
+    "Under mpirun the channel is shared among the ranks; results do not depend on their number.\n"
+    "`ductile COMMAND --help` tells more about a command.";
+
+std::string version_text() {
+  std::string text;
+  for (const auto& [name, version] : versions()) text += fmt::format("{} {}\n", name, version);
+  return text;
+}
+
+Override parsed_set(const std::string& argument) {
+  const std::size_t equals = argument.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InputError(
+        fmt::format("--set {}: must be KEY=VALUE, such as --set channel.nodes=48 or "
+                    "--set body.lag.x=0.1",
+                    argument));
+  return {argument.substr(0, equals), argument.substr(equals + 1), "--set " + argument};
+}
+
+void require_free(const std::filesystem::path& directory, bool force) {
+  std::error_code error;
+  if (!std::filesystem::exists(directory, error)) return;
+  if (!std::filesystem::is_directory(directory, error))
+    throw InputError(
+        fmt::format("{}: is not a directory: choose another with -o", directory.string()));
+  if (!force && !std::filesystem::is_empty(directory, error))
+    throw InputError(fmt::format(
+        "{}: is not empty: add --force to replace the run in it, or choose another with -o",
+        directory.string()));
+}
+
+std::string_view pair_scenario(const std::string& name) {
+  std::vector<std::string_view> names;
+  for (const auto& [known, text] : pair_scenarios()) {
+    if (known == name) return text;
+    names.push_back(known);
+  }
+  const std::string hint = suggestion(name, names);
+  throw InputError(
+      fmt::format("ductile pair {}: unknown pair;{}", name,
+                  hint.empty() ? fmt::format(" the pairs are {}", fmt::join(names, ", ")) : hint));
+}
+
+/// CLI11's complaint as one line, with the option or command that may have been meant.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string name = "ductile";
+  if (!app.get_subcommands().empty()) {
+    command = app.get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  const std::vector<std::string> extras = app.remaining(true);
+  if (!extras.empty()) {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& word : option->get_lnames()) known.push_back("--" + word);
+    for (const CLI::App* sub : command->get_subcommands(nullptr)) known.push_back(sub->get_name());
+    std::string hint = suggestion(extras.front(), {known.begin(), known.end()});
+    return fmt::format("{} {}: not understood;{}", name, extras.front(),
+                       hint.empty() ? fmt::format(" see {} --help", name) : hint);
+  }
+  std::string what = error.what();
+  std::replace(what.begin(), what.end(), '\n', ' ');
+  return fmt::format("{}: {}; see {} --help", name, what, name);
+}
+
+}  // namespace
+
+Command parse_command_line(const std::vector<std::string>& arguments) {
+  CLI::App app{std::string(about), "ductile"};
+  app.footer(std::string(footer));
+  bool version = false;
+  app.add_flag("--version", version, "Versions of the program, the compiler and the libraries");
+
+  std::string file;
+  std::vector<std::string> sets;
+  std::string directory;
+  Command command;
+  const auto add_set = [&sets](CLI::App* sub) {
+    sub->add_option("--set", sets,
+                    "Another value for a key: --set channel.nodes=48, --set body.lag.x=0.1; may be "
+                    "repeated")
+        ->type_name("KEY=VALUE")
+        ->take_all()
+        ->allow_extra_args(false);
+  };
+  const auto add_output = [&](CLI::App* sub, const std::string& usual) {
+    sub->add_option("-o,--output", directory, "Directory of the run; " + usual)->type_name("DIR");
+    sub->add_flag("--force", command.force, "Replace the run that is in the directory");
+  };
+
+  CLI::App* run = app.add_subcommand("run", "Run a scenario file");
+  run->add_option("FILE", file, "The scenario, TOML; see ductile keys")->required()->type_name("");
+  add_set(run);
+  add_output(run, "runs/NAME by default");
+
+  CLI::App* pair = app.add_subcommand("pair", "Run one of the paper's pairs");
+  std::string pair_name;
+  std::string case_names;
+  for (const auto& [name, text] : pair_scenarios())
+    case_names += (case_names.empty() ? "" : ", ") + std::string(name);
+  pair->add_option("CASE", pair_name, "The pair: " + case_names)->required()->type_name("");
+  struct Shorthand {
+    std::string option;
+    std::string key;
+    std::string meaning;
+    std::string value;
+  };
+  std::vector<Shorthand> shorthands = {
+      {"--x-lag", "body.lag.x", "Where the lagging particle starts across the channel, in W", ""},
+      {"--nodes", "channel.nodes", "Nodes across the channel", ""},
+      {"--tau", "fluid.tau", "Relaxation time", ""},
+      {"--length", "channel.length", "Length of the channel, in W", ""},
+      {"--time-limit", "run.time_limit", "When to stop at the latest, in W^2/nu", ""}};
+  for (Shorthand& shorthand : shorthands)
+    pair->add_option(shorthand.option, shorthand.value,
+                     fmt::format("{} ({})", shorthand.meaning, shorthand.key))
+        ->type_name("NUMBER")
+        ->required(shorthand.option == "--x-lag");
+  add_set(pair);
+  add_output(pair, "runs/CASE_x-lag_X by default");
+
+  CLI::App* check =
+      app.add_subcommand("check", "Validate a scenario file and say what the run would be");
+  check->add_option("FILE", file, "The scenario, TOML")->required()->type_name("");
+  add_set(check);
+
+  CLI::App* keys = app.add_subcommand(
+      "keys", "All keys of a scenario file: default, type, bounds, unit and meaning");
+
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    command.text = app.help();
+    return command;
+  } catch (const CLI::ParseError& error) {
+    throw InputError(usage_error(app, error));
+  }
+  if (version || keys->parsed()) {
+    command.text = version ? version_text() : describe_keys();
+    return command;
+  }
+
+  std::vector<Override> overrides;
+  for (const Shorthand& shorthand : shorthands)
+    if (pair->count(shorthand.option) > 0)
+      overrides.push_back(
+          {shorthand.key, shorthand.value, shorthand.option + " " + shorthand.value});
+  for (const std::string& set : sets) overrides.push_back(parsed_set(set));
+
+  if (check->parsed()) {
+    command.action = Command::Action::check;
+    command.scenario = load_scenario(file, overrides);
+    return command;
+  }
+  if (run->parsed()) {
+    command.scenario = load_scenario(file, overrides);
+    command.directory = std::filesystem::path("runs") / command.scenario.name;
+  } else if (pair->parsed()) {
+    command.scenario = parse_scenario(pair_scenario(pair_name), pair_name + ".toml", overrides);
+    command.directory =
+        std::filesystem::path("runs") /
+        fmt::format("{}_x-lag_{}", command.scenario.name, command.scenario.bodies.at(1).x);
+  } else {
+    throw InputError("ductile: no command given; see ductile --help");
+  }
+  command.action = Command::Action::run;
+  if (!directory.empty()) command.directory = directory;
+  require_free(command.directory, command.force);
+  return command;
+}
+
+}  // namespace ductile::drivers

@@ -1,0 +1,29 @@
+// The command line, as far as deciding what to do.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenario.hpp"
+
+namespace ductile::drivers {
+
+struct Command {
+  enum class Action {
+    print,  ///< `text`
+    check,  ///< report on `scenario`
+    run     ///< run `scenario` into `directory`
+  };
+  Action action = Action::print;
+  std::string text;
+  Scenario scenario;
+  std::filesystem::path directory;
+  bool force = false;  ///< replace a run that is in the directory
+};
+
+/// What the arguments (without the program's name) ask for. Reads scenario files, writes nothing.
+/// Throws InputError, also where a run would go into a directory that is not empty.
+Command parse_command_line(const std::vector<std::string>& arguments);
+
+}  // namespace ductile::drivers

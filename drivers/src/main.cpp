@@ -1,0 +1,116 @@
+// The program: brings up MPI and PETSc, lets rank 0 read the user's input, and runs on all ranks
+// what it says.
+#include <mpi.h>
+#include <petscsys.h>
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "check.hpp"
+#include "command_line.hpp"
+#include "errors.hpp"
+#include "scenario.hpp"
+#include "simulation.hpp"
+#include "units.hpp"
+
+namespace {
+
+using namespace ductile::drivers;
+
+void require(int mpi_code, const char* what) {
+  if (mpi_code != MPI_SUCCESS) throw std::runtime_error(std::string(what) + " failed");
+}
+
+/// Rank 0's text, on every rank. Collective.
+void broadcast(std::string& text, MPI_Comm comm) {
+  auto size = static_cast<unsigned long long>(text.size());
+  require(MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG_LONG, 0, comm), "MPI_Bcast");
+  text.resize(size);
+  require(MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, 0, comm), "MPI_Bcast");
+}
+
+/// What rank 0 has decided: an exit code, or a run.
+struct Decision {
+  int exit_code = exit_success;
+  bool run = false;
+  bool force = false;
+  std::string directory;
+  std::string scenario;  ///< resolved TOML
+};
+
+/// Reads the user's input, and does at once what takes no run. Rank 0 only.
+Decision decide(const std::vector<std::string>& arguments) {
+  Decision decision;
+  try {
+    const Command command = parse_command_line(arguments);
+    if (command.action == Command::Action::print) {
+      std::fputs(command.text.c_str(), stdout);
+      return decision;
+    }
+    const LatticeSetup setup = lattice_setup(command.scenario);
+    if (command.action == Command::Action::check) {
+      const int cores = static_cast<int>(std::thread::hardware_concurrency());
+      std::fputs(report(command.scenario, setup, cores).c_str(), stdout);
+      return decision;
+    }
+    for (const std::string& note : notes(command.scenario, setup))
+      std::fprintf(stderr, "note: %s\n", note.c_str());
+    for (const std::string& warning : warnings(command.scenario, setup))
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    decision.run = true;
+    decision.force = command.force;
+    decision.directory = command.directory.string();
+    decision.scenario = resolved_toml(command.scenario);
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    decision.exit_code = exit_bad_input;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ductile: %s\n", error.what());
+    decision.exit_code = exit_failure;
+  }
+  return decision;
+}
+
+/// Collective.
+int run_program(const std::vector<std::string>& arguments, MPI_Comm comm) {
+  int rank = 0;
+  require(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
+  Decision decision;
+  if (rank == 0) decision = decide(arguments);
+  std::array<int, 3> flags{decision.exit_code, decision.run ? 1 : 0, decision.force ? 1 : 0};
+  require(MPI_Bcast(flags.data(), static_cast<int>(flags.size()), MPI_INT, 0, comm), "MPI_Bcast");
+  if (flags[1] == 0) return flags[0];
+  broadcast(decision.directory, comm);
+  broadcast(decision.scenario, comm);
+  // All ranks, the first too, run the resolved text: what is in the run directory is what was run.
+  const Scenario scenario = parse_scenario(decision.scenario, "scenario.toml");
+  const RunOptions options{decision.directory, decision.scenario, flags[2] != 0};
+  return run_simulation(scenario, lattice_setup(scenario), options, comm);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // PETSc gets none of the user's arguments, and leaves signals alone.
+  std::string name = "ductile";
+  std::string option = "-no_signal_handler";
+  std::array<char*, 3> petsc_arguments{name.data(), option.data(), nullptr};
+  int petsc_count = 2;
+  char** petsc_argv = petsc_arguments.data();
+  if (PetscInitialize(&petsc_count, &petsc_argv, nullptr, nullptr) != 0) return exit_failure;
+  int exit_code = exit_failure;
+  try {
+    exit_code = run_program({argv + 1, argv + argc}, PETSC_COMM_WORLD);
+  } catch (const std::exception& error) {
+    // The other ranks may be waiting for this one.
+    std::fprintf(stderr, "ductile: %s\n", error.what());
+    MPI_Abort(PETSC_COMM_WORLD, exit_failure);
+  }
+  if (PetscFinalize() != 0) return exit_failure;
+  return exit_code;
+}
