@@ -1,0 +1,62 @@
+// The immersed boundary: bodies in a fluid, and the one time step of both.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ductile/coupling/body.hpp"
+#include "ductile/fluid/fluid.hpp"
+
+namespace ductile::coupling {
+
+/// A body on the rank that owns it. Ids number all bodies of all ranks 0 .. total - 1.
+struct Member {
+  int id;
+  Body* body;
+};
+
+/// A body could not be advanced. Thrown on every rank, with the same body, step and reason, before
+/// the fluid has taken the step. Bodies may have.
+class BodyFailure : public std::runtime_error {
+ public:
+  BodyFailure(int body, std::int64_t step, const std::string& reason);
+  [[nodiscard]] int body() const { return body_; }
+  [[nodiscard]] std::int64_t step() const { return step_; }
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ private:
+  int body_;
+  std::int64_t step_;
+  std::string reason_;
+};
+
+/// Couples bodies to a fluid by Peskin's immersed boundary method, eqs. (15)-(17), and advances
+/// both. It keeps no physical state: interpolation weights and messages only. Results do not depend
+/// on the number of ranks, to the last bit: forces are spread in the order of bodies and markers,
+/// and a marker's velocity is summed plane by plane, in the planes' order.
+class Coupler {
+ public:
+  /// Collective. `bodies` are this rank's own, `total` is the number of all ranks' together; the
+  /// fluid and the bodies outlive the coupler. Throws std::invalid_argument, on every rank, if the
+  /// ids are not 0 .. total - 1, each once.
+  Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total);
+  ~Coupler();
+  Coupler(const Coupler&) = delete;
+  Coupler& operator=(const Coupler&) = delete;
+
+  /// One time step of fluid and bodies, as body.hpp states it. Collective. Throws BodyFailure if a
+  /// body fails, or has a marker whose stencil leaves the fluid or wraps round x or y.
+  void step();
+
+  /// Bytes that this rank has sent to others so far.
+  [[nodiscard]] std::uint64_t bytes_sent() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ductile::coupling

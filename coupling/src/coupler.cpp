@@ -1,0 +1,531 @@
+#include "ductile/coupling/coupler.hpp"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "ductile/coupling/stencils.hpp"
+#include "layout.hpp"
+
+namespace ductile::coupling {
+namespace {
+
+void check(int code, const char* call) {
+  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + call + " failed");
+}
+
+// How far a body may move before its box is laid anew: a node across the channel, two along it.
+constexpr std::array<int, 3> margin = {1, 1, 2};
+
+// What every rank knows of every body.
+struct Entry {
+  int owner = 0;
+  int markers = 0;
+  int corrections = 0;
+  fluid::Box box{};  // z of the image where the owner has it
+  int merged = 0;    // the fluid's box that it lies in
+};
+constexpr int entry_size = 9;
+
+// A body of this rank.
+struct Host {
+  int id = 0;
+  Body* body = nullptr;
+  std::vector<double> force;     // what a round adds, sent to the guests
+  std::vector<double> velocity;  // what they answer
+  std::vector<double> partial;
+  std::vector<int> planes;  // first plane of each marker's stencil
+};
+
+// The part of a host's markers that reaches the slab of one rank.
+struct Route {
+  std::size_t host = 0;
+  int rank = 0;
+  std::vector<int> markers;
+  std::vector<double> buffer;
+};
+
+// The same markers on the rank that they reach.
+struct Guest {
+  int id = 0;
+  int owner = 0;
+  std::vector<double> data;  // positions, then forces
+  Stencils stencils;
+  std::vector<double> partial;
+  std::vector<double> buffer;
+};
+
+}  // namespace
+
+BodyFailure::BodyFailure(int body, std::int64_t step, const std::string& reason)
+    : std::runtime_error("body " + std::to_string(body) + ", step " + std::to_string(step) + ": " +
+                         reason),
+      body_(body),
+      step_(step),
+      reason_(reason) {}
+
+class Coupler::Impl {
+ public:
+  Impl(fluid::Fluid& fluid, std::vector<Member> members, int total);
+  ~Impl() { MPI_Comm_free(&comm_); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void step();
+  std::uint64_t bytes_sent_ = 0;
+
+ private:
+  void lay_out();
+  void locate();
+  void predict_forces();
+  void correct_forces(int round);
+  void advance();
+  void spread(int round);
+  void interpolate(int round);
+  void agree();
+
+  std::optional<fluid::Box> stencil_box(const Host& host);
+  void fail(const Host& host, const std::string& reason);
+  [[nodiscard]] bool takes_part(int id, int round) const {
+    return round < 0 || round < entries_[static_cast<std::size_t>(id)].corrections;
+  }
+  template <class F>
+  void guarded(Host& host, const F& f);
+  void to_guests(int round, const std::function<std::span<const double>(const Host&)>& source);
+  void to_hosts(int round);
+
+  fluid::Fluid& fluid_;
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  int rank_ = 0;
+  int ranks_ = 1;
+  int period_;
+  std::vector<Host> hosts_;
+  std::vector<Entry> entries_;
+  std::vector<Route> routes_;
+  std::vector<Guest> guests_;
+  int rounds_ = 0;
+  bool moved_out_ = true;
+  int failed_ = INT_MAX;  // lowest id of a body that failed in this step
+  std::string reason_;
+};
+
+Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
+    : fluid_(fluid),
+      period_(fluid.options().boundary[2] == fluid::Boundary::periodic ? fluid.options().nodes[2]
+                                                                       : 0) {
+  check(MPI_Comm_dup(fluid.comm(), &comm_), "MPI_Comm_dup");
+  MPI_Comm_rank(comm_, &rank_);
+  MPI_Comm_size(comm_, &ranks_);
+  std::sort(members.begin(), members.end(),
+            [](const Member& a, const Member& b) { return a.id < b.id; });
+  std::vector<int> owners(static_cast<std::size_t>(std::max(total, 0)) + 1, 0);
+  for (const Member& member : members) {
+    // The last entry counts ids out of range.
+    ++owners[static_cast<std::size_t>(member.id >= 0 && member.id < total ? member.id
+                                                                          : std::max(total, 0))];
+    Host host;
+    host.id = member.id;
+    host.body = member.body;
+    const std::size_t size = 3 * member.body->marker_count();
+    host.force.resize(size);
+    host.velocity.resize(size);
+    host.partial.resize(4 * size);
+    hosts_.push_back(std::move(host));
+  }
+  check(MPI_Allreduce(MPI_IN_PLACE, owners.data(), static_cast<int>(owners.size()), MPI_INT,
+                      MPI_SUM, comm_),
+        "MPI_Allreduce");
+  const int strangers = owners.back();
+  owners.pop_back();
+  if (strangers != 0 || !std::all_of(owners.begin(), owners.end(), [](int n) { return n == 1; })) {
+    MPI_Comm_free(&comm_);
+    throw std::invalid_argument("coupler: the ranks' bodies must have the ids 0 to " +
+                                std::to_string(total - 1) + ", each once");
+  }
+  entries_.resize(owners.size());
+}
+
+// The time step. Bodies and fluid exchange marker velocities and forces; eq. numbers as the paper.
+void Coupler::Impl::step() {
+  if (moved_out_) lay_out();
+  fluid_.read_velocity();  // u0: eqs. (5) and (6) with the uniform force
+  locate();
+  predict_forces();
+  spread(-1);  // eq. (16)
+  for (int round = 0; round < rounds_; ++round) {
+    interpolate(round);
+    correct_forces(round);
+    spread(round);
+  }
+  interpolate(-1);  // eq. (15), half of the force in
+  advance();
+  agree();
+  fluid_.step();  // eqs. (2)-(4)
+}
+
+// Runs f, which calls the host's body; a failure ends the step when all ranks agree on it.
+template <class F>
+void Coupler::Impl::guarded(Host& host, const F& f) {
+  if (failed_ <= host.id) return;
+  try {
+    f(*host.body);
+  } catch (const std::exception& error) {
+    fail(host, error.what());
+  }
+}
+
+// Of several failures in a step, that of the first body is reported.
+void Coupler::Impl::fail(const Host& host, const std::string& reason) {
+  if (failed_ <= host.id) return;
+  failed_ = host.id;
+  reason_ = reason;
+}
+
+void Coupler::Impl::predict_forces() {
+  for (Host& host : hosts_) {
+    std::fill(host.force.begin(), host.force.end(), 0.0);
+    guarded(host, [&](Body& body) { body.predict_force(host.force); });
+  }
+}
+
+void Coupler::Impl::correct_forces(int round) {
+  for (Host& host : hosts_) {
+    if (!takes_part(host.id, round)) continue;
+    std::fill(host.force.begin(), host.force.end(), 0.0);
+    guarded(host, [&](Body& body) {
+      // Made on the first call: only a body that solves asks for it.
+      class Lazy final : public Response {
+       public:
+        explicit Lazy(std::span<const double> positions) : positions_(positions) {}
+        void apply(std::span<const double> force, std::span<double> velocity) const override {
+          if (!response_) response_.emplace(positions_);
+          response_->apply(force, velocity);
+        }
+
+       private:
+        std::span<const double> positions_;
+        mutable std::optional<MarkerResponse> response_;
+      };
+      body.correct_force(host.velocity, Lazy(body.positions()), host.force);
+    });
+  }
+}
+
+void Coupler::Impl::advance() {
+  for (Host& host : hosts_) {
+    guarded(host, [&](Body& body) {
+      body.advance(host.velocity);
+      const auto box = stencil_box(host);
+      const fluid::Box& laid = entries_[static_cast<std::size_t>(host.id)].box;
+      for (std::size_t axis = 0; axis < 3 && box; ++axis) {
+        moved_out_ = moved_out_ || (*box)[axis].begin < laid[axis].begin ||
+                     (*box)[axis].end > laid[axis].end;
+      }
+    });
+  }
+}
+
+// The nodes that the host's markers reach; nothing and a failure if one is not finite.
+std::optional<fluid::Box> Coupler::Impl::stencil_box(const Host& host) {
+  const std::span<const double> x = host.body->positions();
+  std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
+  std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
+  for (std::size_t n = 0; n < x.size(); n += 3) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!(std::abs(x[n + axis]) < 1e9)) {
+        fail(host, "the position of vertex " + std::to_string(n / 3) + " is not finite");
+        return std::nullopt;
+      }
+      low[axis] = std::min(low[axis], x[n + axis]);
+      high[axis] = std::max(high[axis], x[n + axis]);
+    }
+  }
+  fluid::Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box[axis] = {static_cast<int>(std::floor(low[axis])) - 1,
+                 static_cast<int>(std::floor(high[axis])) + 3};
+  }
+  return box;
+}
+
+// Lays the boxes around the bodies, and finds out which ranks they touch.
+void Coupler::Impl::lay_out() {
+  const fluid::Box domain = fluid_.domain();
+  std::vector<int> table(entries_.size() * entry_size, INT_MIN);
+  for (Host& host : hosts_) {
+    fluid::Box box{};
+    if (const auto reach = stencil_box(host)) {
+      box = *reach;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool runs_on = axis == 2 && period_ > 0;
+        if (!runs_on &&
+            (box[axis].begin < domain[axis].begin || box[axis].end > domain[axis].end)) {
+          fail(host, std::string("a vertex is within two lattice spacings of the boundary along ") +
+                         "xyz"[axis] + ", too close for the 4-point kernel; use more nodes");
+          break;
+        }
+        box[axis].begin -= margin[axis];
+        box[axis].end += margin[axis];
+        if (!runs_on) {
+          box[axis].begin = std::max(box[axis].begin, domain[axis].begin);
+          box[axis].end = std::min(box[axis].end, domain[axis].end);
+        } else if (box[axis].size() > period_) {
+          fail(host, "the body is longer than the periodic channel; use a longer channel");
+        }
+      }
+    }
+    int* row = &table[static_cast<std::size_t>(host.id) * entry_size];
+    row[0] = rank_;
+    row[1] = static_cast<int>(host.body->marker_count());
+    row[2] = host.body->corrections();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      row[3 + 2 * axis] = box[axis].begin;
+      row[4 + 2 * axis] = box[axis].end;
+    }
+  }
+  check(MPI_Allreduce(MPI_IN_PLACE, table.data(), static_cast<int>(table.size()), MPI_INT, MPI_MAX,
+                      comm_),
+        "MPI_Allreduce");
+  for (std::size_t id = 0; id < entries_.size(); ++id) {
+    const int* row = &table[id * entry_size];
+    Entry& entry = entries_[id];
+    entry.owner = row[0];
+    entry.markers = row[1];
+    entry.corrections = row[2];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      entry.box[axis] = {row[3 + 2 * axis], row[4 + 2 * axis]};
+    }
+  }
+  moved_out_ = false;
+  agree();
+
+  std::vector<fluid::Box> boxes;
+  for (const Entry& entry : entries_) boxes.push_back(entry.box);
+  const std::vector<fluid::Box> disjoint = merged(boxes, period_);
+  fluid_.place_boxes(disjoint);
+  for (Entry& entry : entries_) {
+    const auto holder = std::find_if(disjoint.begin(), disjoint.end(), [&](const fluid::Box& box) {
+      return contains(box, entry.box, period_);
+    });
+    entry.merged = static_cast<int>(holder - disjoint.begin());
+  }
+  rounds_ = 0;
+  routes_.clear();
+  guests_.clear();
+  std::size_t host = 0;
+  for (std::size_t id = 0; id < entries_.size(); ++id) {
+    const Entry& entry = entries_[id];
+    rounds_ = std::max(rounds_, entry.corrections);
+    const fluid::Range z = entry.box[2];
+    if (touches(z.begin, z.size(), fluid_.slab(), period_)) {
+      Guest guest;
+      guest.id = static_cast<int>(id);
+      guest.owner = entry.owner;
+      guests_.push_back(std::move(guest));
+    }
+    if (entry.owner != rank_) continue;
+    for (int r = 0; r < ranks_; ++r) {
+      if (!touches(z.begin, z.size(), fluid_.slab(r), period_)) continue;
+      Route route;
+      route.host = host;
+      route.rank = r;
+      routes_.push_back(std::move(route));
+    }
+    ++host;
+  }
+}
+
+// Owners send `source`, three numbers a marker, to the ranks that the markers reach.
+void Coupler::Impl::to_guests(int round,
+                              const std::function<std::span<const double>(const Host&)>& source) {
+  std::vector<MPI_Request> requests;
+  std::vector<std::pair<std::size_t, std::size_t>> receives;  // request, guest
+  for (std::size_t g = 0; g < guests_.size(); ++g) {
+    Guest& guest = guests_[g];
+    if (!takes_part(guest.id, round) || guest.owner == rank_) continue;
+    guest.data.resize(
+        3 * static_cast<std::size_t>(entries_[static_cast<std::size_t>(guest.id)].markers));
+    receives.emplace_back(requests.size(), g);
+    check(MPI_Irecv(guest.data.data(), static_cast<int>(guest.data.size()), MPI_DOUBLE, guest.owner,
+                    guest.id, comm_, &requests.emplace_back()),
+          "MPI_Irecv");
+  }
+  for (Route& route : routes_) {
+    const Host& host = hosts_[route.host];
+    if (!takes_part(host.id, round)) continue;
+    std::vector<double>* buffer = &route.buffer;
+    if (route.rank == rank_) {
+      buffer = &std::find_if(guests_.begin(), guests_.end(), [&](const Guest& guest) {
+                  return guest.id == host.id;
+                })->data;
+    }
+    const std::span<const double> values = source(host);
+    buffer->resize(3 * route.markers.size());
+    for (std::size_t n = 0; n < route.markers.size(); ++n) {
+      const double* from = &values[3 * static_cast<std::size_t>(route.markers[n])];
+      std::copy(from, from + 3, &(*buffer)[3 * n]);
+    }
+    if (route.rank == rank_) continue;
+    check(MPI_Isend(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
+                    route.rank, host.id, comm_, &requests.emplace_back()),
+          "MPI_Isend");
+    bytes_sent_ += sizeof(double) * route.buffer.size();
+  }
+  std::vector<MPI_Status> statuses(requests.size());
+  check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), statuses.data()),
+        "MPI_Waitall");
+  for (const auto& [request, g] : receives) {
+    int count = 0;
+    check(MPI_Get_count(&statuses[request], MPI_DOUBLE, &count), "MPI_Get_count");
+    guests_[g].data.resize(static_cast<std::size_t>(count));
+  }
+}
+
+void Coupler::Impl::locate() {
+  for (Host& host : hosts_) {
+    const std::span<const double> x = host.body->positions();
+    host.planes.resize(x.size() / 3);
+    for (std::size_t m = 0; m < host.planes.size(); ++m) {
+      host.planes[m] = static_cast<int>(std::floor(x[3 * m + 2])) - 1;
+    }
+  }
+  for (Route& route : routes_) {
+    const Host& host = hosts_[route.host];
+    const fluid::Range slab = fluid_.slab(route.rank);
+    route.markers.clear();
+    for (std::size_t m = 0; m < host.planes.size(); ++m) {
+      if (touches(host.planes[m], 4, slab, period_)) route.markers.push_back(static_cast<int>(m));
+    }
+  }
+  to_guests(-1, [](const Host& host) { return host.body->positions(); });
+  for (Guest& guest : guests_) guest.stencils.locate(guest.data);
+}
+
+void Coupler::Impl::spread(int round) {
+  to_guests(round, [](const Host& host) { return std::span<const double>(host.force); });
+  for (const Guest& guest : guests_) {
+    if (!takes_part(guest.id, round)) continue;
+    const int box = entries_[static_cast<std::size_t>(guest.id)].merged;
+    for (fluid::Patch& patch : fluid_.patches()) {
+      if (patch.box == box) guest.stencils.spread(guest.data, patch, period_);
+    }
+  }
+  fluid_.update_velocity();
+}
+
+void Coupler::Impl::interpolate(int round) {
+  for (Guest& guest : guests_) {
+    if (!takes_part(guest.id, round)) continue;
+    const std::size_t count = guest.stencils.size();
+    guest.partial.assign(12 * count, 0.0);
+    const int box = entries_[static_cast<std::size_t>(guest.id)].merged;
+    for (const fluid::Patch& patch : fluid_.patches()) {
+      if (patch.box == box) guest.stencils.interpolate(patch, period_, guest.partial);
+    }
+  }
+  to_hosts(round);
+}
+
+// Guests answer with the velocity of each marker: its sum over the four planes where they hold them
+// all, else the four terms, which the owner sums in the same order.
+void Coupler::Impl::to_hosts(int round) {
+  std::vector<MPI_Request> requests;
+  for (Route& route : routes_) {
+    const Host& host = hosts_[route.host];
+    if (!takes_part(host.id, round) || route.rank == rank_) continue;
+    route.buffer.resize(12 * route.markers.size());
+    check(MPI_Irecv(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
+                    route.rank, host.id, comm_, &requests.emplace_back()),
+          "MPI_Irecv");
+  }
+  const auto sum = [](const double* p) { return ((p[0] + p[1]) + p[2]) + p[3]; };
+  for (Guest& guest : guests_) {
+    if (!takes_part(guest.id, round)) continue;
+    guest.buffer.clear();
+    for (std::size_t m = 0; m < guest.stencils.size(); ++m) {
+      const double* partial = &guest.partial[12 * m];
+      if (within(guest.stencils[m].base[2], 4, fluid_.slab(), period_)) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          guest.buffer.push_back(sum(partial + 4 * axis));
+      } else {
+        guest.buffer.insert(guest.buffer.end(), partial, partial + 12);
+      }
+    }
+    if (guest.owner == rank_) continue;
+    check(MPI_Isend(guest.buffer.data(), static_cast<int>(guest.buffer.size()), MPI_DOUBLE,
+                    guest.owner, guest.id, comm_, &requests.emplace_back()),
+          "MPI_Isend");
+    bytes_sent_ += sizeof(double) * guest.buffer.size();
+  }
+  check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+        "MPI_Waitall");
+
+  for (Host& host : hosts_) {
+    if (takes_part(host.id, round)) std::fill(host.partial.begin(), host.partial.end(), 0.0);
+  }
+  for (const Route& route : routes_) {
+    Host& host = hosts_[route.host];
+    if (!takes_part(host.id, round)) continue;
+    const double* from = route.buffer.data();
+    if (route.rank == rank_) {
+      from = std::find_if(guests_.begin(), guests_.end(), [&](const Guest& guest) {
+               return guest.id == host.id;
+             })->buffer.data();
+    }
+    const fluid::Range slab = fluid_.slab(route.rank);
+    for (const int marker : route.markers) {
+      const auto m = static_cast<std::size_t>(marker);
+      double* to = &host.partial[12 * m];
+      if (within(host.planes[m], 4, slab, period_)) {
+        for (std::size_t axis = 0; axis < 3; ++axis) to[4 * axis] = *from++;
+      } else {
+        for (std::size_t n = 0; n < 12; ++n) to[n] += *from++;
+      }
+    }
+  }
+  for (Host& host : hosts_) {
+    if (!takes_part(host.id, round)) continue;
+    for (std::size_t n = 0; n < host.velocity.size(); ++n) {
+      host.velocity[n] = sum(&host.partial[4 * n]);
+    }
+  }
+}
+
+// All ranks learn whether a body has left its box or failed. Throws BodyFailure on all of them.
+void Coupler::Impl::agree() {
+  constexpr int fine = 0;
+  constexpr int moved_out = 1;
+  constexpr int failed = 2;
+  int state = failed_ != INT_MAX ? failed : (moved_out_ ? moved_out : fine);
+  check(MPI_Allreduce(MPI_IN_PLACE, &state, 1, MPI_INT, MPI_MAX, comm_), "MPI_Allreduce");
+  moved_out_ = state == moved_out;
+  if (state != failed) return;
+  const int own = failed_;
+  int body = own;
+  check(MPI_Allreduce(MPI_IN_PLACE, &body, 1, MPI_INT, MPI_MIN, comm_), "MPI_Allreduce");
+  const int root = entries_[static_cast<std::size_t>(body)].owner;
+  int length = static_cast<int>(reason_.size());
+  check(MPI_Bcast(&length, 1, MPI_INT, root, comm_), "MPI_Bcast");
+  reason_.resize(static_cast<std::size_t>(length));
+  check(MPI_Bcast(reason_.data(), length, MPI_CHAR, root, comm_), "MPI_Bcast");
+  failed_ = INT_MAX;
+  moved_out_ = true;
+  throw BodyFailure(body, fluid_.time(), reason_);
+}
+
+Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)
+    : impl_(std::make_unique<Impl>(fluid, std::move(bodies), total)) {}
+Coupler::~Coupler() = default;
+void Coupler::step() {
+  impl_->step();
+}
+std::uint64_t Coupler::bytes_sent() const {
+  return impl_->bytes_sent_;
+}
+
+}  // namespace ductile::coupling

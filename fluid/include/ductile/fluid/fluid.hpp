@@ -1,0 +1,157 @@
+// The fluid: lattice Boltzmann (D3Q19) in a box of nodes, cut into slabs along z over the ranks.
+#pragma once
+
+#include <mpi.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace ductile::fluid {
+
+/// What bounds the box at both ends of an axis. With N nodes 0 .. N-1 along the axis:
+enum class Boundary {
+  periodic,    ///< node N is node 0
+  halfway,     ///< no-slip walls at -1/2 and N - 1/2: half-way bounce-back, width N
+  regularized  ///< no-slip walls on nodes 0 and N - 1: Latt et al. 2008 (the paper's), width N - 1
+};
+
+enum class Collision {
+  bgk,  ///< eq. (2)
+  trt   ///< two relaxation times: odd moments relax so that (tau - 1/2)(tau_odd - 1/2) = magic
+};
+
+enum class Storage { double_precision, single_precision };
+
+/// All that defines a fluid; lattice units (dx = dt = rho0 = 1).
+struct Options {
+  std::array<int, 3> nodes{};  ///< along x, y, z
+  std::array<Boundary, 3> boundary{Boundary::periodic, Boundary::periodic, Boundary::periodic};
+  /// Velocity of the wall at the low and the high end of each axis, tangential to the wall.
+  std::array<std::array<Eigen::Vector3d, 2>, 3> wall_velocity{
+      {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()},
+       {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()},
+       {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
+  double tau = 1;  ///< relaxation time of the viscous stress; nu = (tau - 1/2)/3
+  Collision collision = Collision::bgk;
+  double magic = 3.0 / 16.0;                        ///< TRT only
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
+  /// Storage of the populations; arithmetic is always in double precision.
+  Storage storage = Storage::double_precision;
+};
+
+/// Density, velocity and velocity gradient at a node; gradient(a, b) = du_b/dx_a.
+struct NodeState {
+  double density = 1;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+};
+
+/// Sums over all nodes; the same to the last bit on any number of ranks.
+struct Totals {
+  double mass = 0;                                     ///< sum of rho - 1
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< sum of rho u, half the uniform force in
+  [[nodiscard]] bool finite() const;
+};
+
+/// A range of planes or nodes, end excluded.
+struct Range {
+  int begin = 0;
+  int end = 0;
+  [[nodiscard]] int size() const { return end - begin; }
+};
+
+/// A box of nodes around bodies. z may run outside [0, nz) where the axis is periodic.
+using Box = std::array<Range, 3>;
+
+/// The part of a box that lies on this rank: where a force acts that varies from node to node, and
+/// where the velocity is known. Arrays run over x, y, z, z fastest; each row of z is `pitch` long,
+/// with `pad` planes on either side of the `size[2]` that are this rank's own. In those planes the
+/// velocity is 0 and the force is ignored, so that a stencil may reach over the edge.
+struct Patch {
+  static constexpr int pad = 4;
+  int box = 0;                 ///< index of the box it belongs to
+  std::array<int, 3> begin{};  ///< first own node; z in [0, nz)
+  std::array<int, 3> size{};   ///< own nodes along each axis
+  std::ptrdiff_t pitch = 0;
+
+  std::vector<double> density;
+  std::array<std::vector<double>, 3> momentum;  ///< rho u0
+  std::array<std::vector<double>, 3> force;     ///< beyond the uniform one
+  std::array<std::vector<double>, 3> velocity;  ///< (rho u0 + force/2)/rho
+
+  /// Index of node (i, j, k), counted from `begin`; k may lie in the padding.
+  [[nodiscard]] std::ptrdiff_t at(int i, int j, int k) const {
+    return (static_cast<std::ptrdiff_t>(i) * size[1] + j) * pitch + pad + k;
+  }
+};
+
+class FluidImpl;
+
+/// The fluid's populations and their evolution. Every member marked collective is called by all
+/// ranks of the communicator, in the same order.
+class Fluid {
+ public:
+  /// Collective. Each rank holds an even share of the planes. The fluid is at rest.
+  /// Throws std::invalid_argument, on every rank, if tau <= 1/2, magic <= 0, an axis has fewer than
+  /// 2 nodes (4 with walls on nodes), z is regularized, a wall velocity has a normal component, or
+  /// there are more ranks than planes.
+  Fluid(MPI_Comm comm, const Options& options);
+  ~Fluid();
+  Fluid(Fluid&&) noexcept;
+  Fluid& operator=(Fluid&&) noexcept;
+  Fluid(const Fluid&) = delete;
+  Fluid& operator=(const Fluid&) = delete;
+
+  [[nodiscard]] const Options& options() const;
+  [[nodiscard]] MPI_Comm comm() const;
+  /// nu = c_s^2 (tau - 1/2).
+  [[nodiscard]] double viscosity() const;
+  /// Planes of this rank, and of any rank.
+  [[nodiscard]] Range slab() const;
+  [[nodiscard]] Range slab(int rank) const;
+  /// Nodes on which a body may act: all but the walls' own.
+  [[nodiscard]] Box domain() const;
+  /// Time steps done.
+  [[nodiscard]] std::int64_t time() const;
+  /// Bytes held by this rank: populations and patches.
+  [[nodiscard]] std::size_t memory() const;
+
+  /// Sets the populations of every own node to equilibrium plus the first-order non-equilibrium
+  /// part of the state's gradient, w_i rho (-tau/c_s^2)(c c - c_s^2 1):grad u, less half of Guo's
+  /// forcing term, as in a slowly varying flow. `state` is called with own nodes (i, j, k); time is
+  /// reset to 0.
+  void initialise(const std::function<NodeState(int, int, int)>& state);
+
+  /// Replaces the boxes by these, which must be disjoint and inside domain(); each rank keeps its
+  /// part. Forces are zero until written. Every rank is given all boxes. Throws
+  /// std::invalid_argument for a box outside the domain.
+  void place_boxes(std::span<const Box> boxes);
+  [[nodiscard]] std::span<Patch> patches();
+
+  /// Reads density and momentum (half of the uniform force in, eq. (6)) in all patches from the
+  /// populations, and clears the patches' force. Collective.
+  void read_velocity();
+  /// In all patches, velocity <- (momentum + force/2)/density.
+  void update_velocity();
+
+  /// One time step, eqs. (2)-(6): collides with the uniform force plus that of the patches, and
+  /// streams. Collective.
+  void step();
+
+  /// Density and velocity (half of the uniform force in) of the own slab: nx ny nz_own numbers,
+  /// x, y, z with z fastest; velocity holds three such arrays, one a component. Collective.
+  void fields(std::span<double> density, std::span<double> velocity);
+  /// Collective.
+  Totals totals();
+
+ private:
+  std::unique_ptr<FluidImpl> impl_;
+};
+
+}  // namespace ductile::fluid

@@ -1,0 +1,269 @@
+#include "ductile/coupling/coupler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "coupling/bodies.hpp"
+#include "layout.hpp"
+
+namespace {
+
+using namespace ductile;
+using coupling::BodyFailure;
+using coupling::Coupler;
+using test::Explicit;
+using test::Held;
+using test::ImplicitSpring;
+
+fluid::Options box(int n) {
+  fluid::Options o;
+  o.nodes = {n, n, n};
+  return o;
+}
+
+fluid::NodeState uniform(const Eigen::Vector3d& u) {
+  fluid::NodeState s;
+  s.velocity = u;
+  return s;
+}
+
+TEST(Coupler, TracersMoveWithTheFluidRoundThePeriodicEnd) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(12));
+  const Eigen::Vector3d u(0.002, -0.001, 0.05);
+  fluid.initialise([&](int, int, int) { return uniform(u); });
+  Explicit tracers({5.2, 5.1, 10.9, 6.6, 6.9, 12.3}, nullptr);
+  const std::vector<double> start = tracers.x;
+  Coupler coupler(fluid, {{0, &tracers}}, 1);
+  constexpr int steps = 300;  // more than once round
+  for (int n = 0; n < steps; ++n) coupler.step();
+  for (std::size_t n = 0; n < 6; ++n) {
+    EXPECT_NEAR(tracers.x[n], start[n] + steps * u[static_cast<Eigen::Index>(n % 3)], 1e-10);
+  }
+  EXPECT_EQ(fluid.time(), steps);
+  EXPECT_EQ(coupler.bytes_sent(), 0U);
+}
+
+// The convention of the half force: the velocity that a marker moves with holds half of the force
+// of the very step, so that one marker in a fluid at rest answers with (1/2 rho) (3/8)^3 F.
+TEST(Coupler, MarkerVelocityHoldsHalfOfTheForceOfTheStep) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(12));
+  const std::array<double, 3> f = {1e-3, -2e-3, 5e-4};
+  Explicit body({5.3, 6.7, 4.1},
+                [&](auto, auto force) { std::copy(f.begin(), f.end(), force.begin()); });
+  Coupler coupler(fluid, {{0, &body}}, 1);
+  coupler.step();
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_NEAR(body.velocity[n], 0.5 * std::pow(3.0 / 8.0, 3) * f[n], 1e-17);
+  }
+}
+
+TEST(Coupler, FluidGainsTheBodiesForceAsMomentum) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(14));
+  const auto law = [](auto x, auto force) {
+    for (std::size_t n = 0; n < force.size(); ++n)
+      force[n] = 1e-4 * std::sin(7.0 * x[n] + static_cast<double>(n));
+  };
+  std::vector<double> x(3 * 30);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(3, 10);
+  for (double& c : x) c = place(random);
+  Explicit one({x.begin(), x.begin() + 45}, law);
+  Explicit two({x.begin() + 45, x.end()}, law);
+  Coupler coupler(fluid, {{1, &two}, {0, &one}}, 2);
+  Eigen::Vector3d expected = Eigen::Vector3d::Zero();
+  for (int step = 0; step < 20; ++step) {
+    std::vector<double> force(45);
+    for (const Explicit* body : {&one, &two}) {
+      law(std::span<const double>(body->x), std::span(force));
+      for (std::size_t n = 0; n < 45; ++n) expected[static_cast<Eigen::Index>(n % 3)] += force[n];
+    }
+    coupler.step();
+  }
+  EXPECT_LT((fluid.totals().momentum - expected).norm(), 1e-14);
+}
+
+TEST(Coupler, BodiesFeelEachOtherWithinTheStep) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(12));
+  Explicit pusher({5.5, 5.5, 5.5}, [](auto, auto force) { force[2] = 1e-3; });
+  Explicit tracer({6.5, 5.5, 5.5}, nullptr);
+  Coupler coupler(fluid, {{0, &tracer}, {1, &pusher}}, 2);
+  coupler.step();
+  EXPECT_GT(tracer.velocity[2], 0);
+  EXPECT_LT(tracer.velocity[2], pusher.velocity[2]);
+}
+
+TEST(Coupler, CorrectionsDriveTheSlipToZero) {
+  std::vector<double> x;
+  for (int i = 0; i < 5; ++i) {
+    for (int j = 0; j < 5; ++j) x.insert(x.end(), {4 + 1.5 * i, 4 + 1.5 * j, 6.3});
+  }
+  double last = 0;
+  for (const int corrections : {0, 2, 4, 8, 16}) {
+    fluid::Fluid fluid(MPI_COMM_SELF, box(14));
+    fluid.initialise([](int, int, int) { return uniform({0, 0, 0.01}); });
+    Held plate(x, corrections, 6.0);
+    Coupler coupler(fluid, {{0, &plate}}, 1);
+    coupler.step();
+    double slip = 0;
+    for (const double u : plate.velocity) slip = std::max(slip, std::abs(u));
+    if (corrections == 0) {
+      EXPECT_NEAR(slip, 0.01, 1e-15);
+    } else {
+      EXPECT_LT(slip, last);
+    }
+    last = slip;
+  }
+  EXPECT_LT(last, 0.05 * 0.01);
+}
+
+// The response that a solver sees is the one that the fluid then gives, so backward Euler holds to
+// round-off and stays stable at any stiffness.
+TEST(Coupler, ResponseIsTheFluidsOwn) {
+  for (const double k : {1.0, 1e3, 1e6}) {
+    fluid::Fluid fluid(MPI_COMM_SELF, box(12));
+    ImplicitSpring spring({5.7, 6.2, 5.1}, {5.5, 6.0, 5.4}, k);
+    Coupler coupler(fluid, {{0, &spring}}, 1);
+    coupler.step();
+    const double mobility = 0.5 * std::pow(3.0 / 8.0, 3);
+    EXPECT_NEAR(spring.x[0] - 5.5, 0.2 / (1 + k * mobility), 1e-13);
+    for (int n = 0; n < 500; ++n) coupler.step();
+    for (const double c : {spring.x[0] - 5.5, spring.x[1] - 6.0, spring.x[2] - 5.4}) {
+      EXPECT_LT(std::abs(c), 0.01);
+    }
+  }
+}
+
+TEST(Coupler, ExplicitAndCorrectedBodiesMix) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(16));
+  fluid.initialise([](int, int, int) { return uniform({0, 0, 0.01}); });
+  Explicit tracer({4, 4, 4}, nullptr);
+  Held held({11.2, 11.3, 11.4}, 3, 5);
+  Coupler coupler(fluid, {{0, &tracer}, {1, &held}}, 2);
+  coupler.step();
+  EXPECT_NEAR(tracer.velocity[2], 0.01, 1e-15);
+  EXPECT_LT(held.velocity[2], 0.01);
+}
+
+TEST(Coupler, NamesTheBodyThatFailsAndLeavesTheFluidAsItWas) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(16));
+  int calls = 0;
+  Explicit good({4, 4, 4}, nullptr);
+  Explicit bad({11, 11, 11}, [&](auto, auto) {
+    if (++calls == 3) throw std::runtime_error("vertex 0 has had enough");
+  });
+  Coupler coupler(fluid, {{0, &good}, {1, &bad}}, 2);
+  coupler.step();
+  coupler.step();
+  try {
+    coupler.step();
+    FAIL() << "no exception";
+  } catch (const BodyFailure& failure) {
+    EXPECT_EQ(failure.body(), 1);
+    EXPECT_EQ(failure.step(), 2);
+    EXPECT_EQ(failure.reason(), "vertex 0 has had enough");
+  }
+  EXPECT_EQ(fluid.time(), 2);
+}
+
+TEST(Coupler, RefusesMarkersThatReachAWall) {
+  fluid::Options o = box(16);
+  o.boundary = {fluid::Boundary::regularized, fluid::Boundary::halfway, fluid::Boundary::periodic};
+  const auto failure = [&](std::vector<double> x) -> std::string {
+    fluid::Fluid fluid(MPI_COMM_SELF, o);
+    Explicit body(std::move(x), nullptr);
+    Coupler coupler(fluid, {{0, &body}}, 1);
+    try {
+      coupler.step();
+    } catch (const BodyFailure& error) {
+      return error.reason();
+    }
+    return "";
+  };
+  EXPECT_EQ(failure({2.0, 1.0, 0.0}), "");
+  EXPECT_NE(failure({1.9, 8, 8}).find("along x"), std::string::npos);
+  EXPECT_NE(failure({8, 0.9, 8}).find("along y"), std::string::npos);
+  EXPECT_NE(failure({8, 14.1, 8}).find("along y"), std::string::npos);
+  EXPECT_NE(failure({8, NAN, 8}).find("vertex 0 is not finite"), std::string::npos);
+}
+
+TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(8));
+  Explicit a({4, 4, 4}, nullptr);
+  Explicit b({4, 4, 4}, nullptr);
+  EXPECT_THROW(Coupler(fluid, {{0, &a}, {0, &b}}, 2), std::invalid_argument);
+  EXPECT_THROW(Coupler(fluid, {{0, &a}, {2, &b}}, 2), std::invalid_argument);
+  EXPECT_THROW(Coupler(fluid, {{0, &a}}, 2), std::invalid_argument);
+}
+
+// Random boxes: merged ones are disjoint, hold the old ones, and do not depend on their order.
+TEST(Layout, MergedBoxesAreDisjointAndHoldAll) {
+  std::mt19937 random(7);
+  const auto between = [&](int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(random);
+  };
+  for (int trial = 0; trial < 300; ++trial) {
+    const int period = trial % 2 == 0 ? 40 : 0;
+    std::vector<fluid::Box> boxes;
+    for (int n = between(1, 8); n > 0; --n) {
+      fluid::Box b;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int begin = axis == 2 && period > 0 ? between(-100, 100) : between(0, 30);
+        b[axis] = {begin, begin + between(4, 9)};
+      }
+      boxes.push_back(b);
+    }
+    const auto key = [](const fluid::Box& b) {
+      return std::array<int, 6>{b[0].begin, b[0].end, b[1].begin, b[1].end, b[2].begin, b[2].end};
+    };
+    const auto sorted = [&](std::vector<fluid::Box> list) {
+      std::vector<std::array<int, 6>> keys;
+      for (const fluid::Box& b : list) keys.push_back(key(b));
+      std::sort(keys.begin(), keys.end());
+      return keys;
+    };
+    const std::vector<fluid::Box> result = coupling::merged(boxes, period);
+    for (const fluid::Box& b : boxes) {
+      EXPECT_EQ(std::count_if(
+                    result.begin(), result.end(),
+                    [&](const fluid::Box& outer) { return coupling::contains(outer, b, period); }),
+                1);
+    }
+    for (std::size_t a = 0; a < result.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        bool meet = true;
+        for (const std::size_t axis : {0U, 1U}) {
+          meet = meet && result[a][axis].begin < result[b][axis].end &&
+                 result[b][axis].begin < result[a][axis].end;
+        }
+        meet = meet &&
+               coupling::touches(result[a][2].begin, result[a][2].size(), result[b][2], period);
+        EXPECT_FALSE(meet);
+      }
+    }
+    std::shuffle(boxes.begin(), boxes.end(), random);
+    EXPECT_EQ(sorted(coupling::merged(boxes, period)), sorted(result));
+  }
+}
+
+TEST(Layout, TouchesAndWithinAgreeWithCounting) {
+  for (const int period : {0, 10}) {
+    for (int first = -14; first < 25; ++first) {
+      for (int count = 1; count <= 10; ++count) {
+        for (const fluid::Range slab : {fluid::Range{0, 3}, {3, 7}, {7, 10}, {0, 10}}) {
+          int inside = 0;
+          for (int p = first; p < first + count; ++p) {
+            const int plane = period > 0 ? ((p % period) + period) % period : p;
+            inside += plane >= slab.begin && plane < slab.end ? 1 : 0;
+          }
+          EXPECT_EQ(coupling::touches(first, count, slab, period), inside > 0);
+          EXPECT_EQ(coupling::within(first, count, slab, period), inside == count);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace

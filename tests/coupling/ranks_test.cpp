@@ -1,0 +1,123 @@
+// The same bits on any number of ranks: each rank also computes the whole on its own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "coupling/bodies.hpp"
+#include "ductile/coupling/coupler.hpp"
+
+namespace {
+
+using namespace ductile;
+using coupling::BodyFailure;
+using coupling::Coupler;
+using coupling::Member;
+using test::Explicit;
+using test::Held;
+
+int rank() {
+  int r = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  return r;
+}
+int ranks() {
+  int n = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &n);
+  return n;
+}
+
+fluid::Options channel(fluid::Boundary z) {
+  fluid::Options o;
+  o.nodes = {16, 14, 22};
+  o.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, z};
+  o.tau = 0.9;
+  o.force = {0, 0, 2e-4};
+  return o;
+}
+
+// Clouds of markers held together by springs to their centre, and one held in place; they overlap
+// and lie across the cuts and the periodic end.
+std::vector<std::unique_ptr<coupling::Body>> bodies() {
+  const auto springs = [](std::span<const double> x, std::span<double> force) {
+    std::array<double, 3> centre{};
+    for (std::size_t n = 0; n < x.size(); ++n)
+      centre[n % 3] += 3 * x[n] / static_cast<double>(x.size());
+    for (std::size_t n = 0; n < x.size(); ++n) force[n] = -2e-3 * (x[n] - centre[n % 3]);
+  };
+  std::vector<std::unique_ptr<coupling::Body>> list;
+  std::mt19937 random(3);
+  for (const double z : {5.0, 7.5, 12.0, 17.0}) {
+    std::uniform_real_distribution<double> offset(-2.5, 2.5);
+    std::vector<double> x;
+    for (int m = 0; m < 60; ++m) {
+      x.insert(x.end(), {7.3 + offset(random), 6.8 + offset(random), z + offset(random)});
+    }
+    if (z == 12.0) {
+      list.push_back(std::make_unique<Held>(x, 3, 0.3));
+    } else {
+      list.push_back(std::make_unique<Explicit>(x, springs));
+    }
+  }
+  return list;
+}
+
+std::vector<Member> share_of(const std::vector<std::unique_ptr<coupling::Body>>& list, int part,
+                             int parts) {
+  std::vector<Member> members;
+  for (int id = 0; id < static_cast<int>(list.size()); ++id) {
+    if (id % parts == part) members.push_back({id, list[static_cast<std::size_t>(id)].get()});
+  }
+  return members;
+}
+
+class Ranks : public testing::TestWithParam<fluid::Boundary> {};
+
+TEST_P(Ranks, BodiesAndFluidAreTheSameToTheLastBit) {
+  const fluid::Options o = channel(GetParam());
+  fluid::Fluid cut(MPI_COMM_WORLD, o);
+  fluid::Fluid whole(MPI_COMM_SELF, o);
+  auto shared = bodies();
+  auto own = bodies();
+  Coupler coupler(cut, share_of(shared, rank(), ranks()), 4);
+  Coupler alone(whole, share_of(own, 0, 1), 4);
+  for (int step = 0; step < 60; ++step) {
+    coupler.step();
+    alone.step();
+    for (const Member& member : share_of(shared, rank(), ranks())) {
+      const auto a = member.body->positions();
+      const auto b = own[static_cast<std::size_t>(member.id)]->positions();
+      for (std::size_t n = 0; n < a.size(); ++n) ASSERT_EQ(a[n], b[n]) << step << ' ' << n;
+    }
+  }
+  const fluid::Totals a = cut.totals();
+  const fluid::Totals b = whole.totals();
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.momentum, b.momentum);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ends, Ranks,
+                         testing::Values(fluid::Boundary::periodic, fluid::Boundary::halfway));
+
+TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
+  fluid::Fluid fluid(MPI_COMM_WORLD, channel(fluid::Boundary::periodic));
+  auto list = bodies();
+  int calls = 0;
+  list[1] = std::make_unique<Explicit>(std::vector<double>{7, 7, 7}, [&](auto, auto) {
+    if (++calls == 3) throw std::runtime_error("enough");
+  });
+  Coupler coupler(fluid, share_of(list, rank(), ranks()), 4);
+  coupler.step();
+  coupler.step();
+  try {
+    coupler.step();
+    FAIL() << "no exception";
+  } catch (const BodyFailure& failure) {
+    EXPECT_EQ(failure.body(), 1);
+    EXPECT_EQ(failure.reason(), "enough");
+    EXPECT_EQ(fluid.time(), 2);
+  }
+}
+
+}  // namespace

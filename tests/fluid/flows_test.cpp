@@ -1,0 +1,253 @@
+// Flows with known solutions.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "ductile/fluid/duct.hpp"
+#include "ductile/fluid/fluid.hpp"
+
+namespace {
+
+using namespace ductile::fluid;
+
+struct Field {
+  std::vector<double> density;
+  std::vector<double> velocity;
+};
+Field fields(Fluid& fluid) {
+  const auto& n = fluid.options().nodes;
+  const auto count = static_cast<std::size_t>(n[0] * n[1] * n[2]);
+  Field field{std::vector<double>(count), std::vector<double>(3 * count)};
+  fluid.fields(field.density, field.velocity);
+  return field;
+}
+
+// Decay rate of a Taylor-Green vortex in the plane of two axes, over one e-fold, against
+// 2 nu k^2.
+double taylor_green_error(int n, std::size_t a, std::size_t b, Collision collision) {
+  const std::size_t other = 3 - a - b;
+  Options o;
+  o.nodes = {n, n, n};
+  o.nodes[other] = 4;
+  o.tau = 1;
+  o.collision = collision;
+  Fluid fluid(MPI_COMM_WORLD, o);
+  const double k = 2 * std::numbers::pi / n;
+  const double amplitude = 0.02 * 16 / n;  // diffusive scaling: Mach number falls with dx
+  fluid.initialise([&](int x, int y, int z) {
+    const std::array<int, 3> node = {x, y, z};
+    const double p = k * node[a];
+    const double q = k * node[b];
+    NodeState s;
+    const auto ia = static_cast<Eigen::Index>(a);
+    const auto ib = static_cast<Eigen::Index>(b);
+    s.velocity[ia] = amplitude * std::sin(p) * std::cos(q);
+    s.velocity[ib] = -amplitude * std::cos(p) * std::sin(q);
+    s.gradient(ia, ia) = amplitude * k * std::cos(p) * std::cos(q);
+    s.gradient(ib, ia) = -amplitude * k * std::sin(p) * std::sin(q);
+    s.gradient(ia, ib) = amplitude * k * std::sin(p) * std::sin(q);
+    s.gradient(ib, ib) = -amplitude * k * std::cos(p) * std::cos(q);
+    s.density = 1 + 0.75 * amplitude * amplitude * (std::cos(2 * p) + std::cos(2 * q));
+    return s;
+  });
+  const auto energy = [&] {
+    const Field field = fields(fluid);
+    double sum = 0;
+    for (const double u : field.velocity) sum += u * u;
+    return sum;
+  };
+  const double before = energy();
+  const double efold = 1 / (2 * fluid.viscosity() * k * k);
+  const int steps = static_cast<int>(std::lround(efold));
+  for (int s = 0; s < steps; ++s) fluid.step();
+  const double rate = 0.5 * std::log(before / energy()) / steps;
+  return std::abs(rate * efold - 1);
+}
+
+TEST(TaylorGreen, DecaysAtTheViscousRateWithOrderTwo) {
+  const double e16 = taylor_green_error(16, 0, 1, Collision::bgk);
+  const double e32 = taylor_green_error(32, 0, 1, Collision::bgk);
+  const double e64 = taylor_green_error(64, 0, 1, Collision::bgk);
+  EXPECT_LT(e32, 0.01);
+  EXPECT_GT(std::log2(e16 / e32), 1.9);
+  EXPECT_GT(std::log2(e32 / e64), 1.9);
+}
+
+TEST(TaylorGreen, IsTheSameInEveryPlaneAndWithTwoRelaxationTimes) {
+  const double xy = taylor_green_error(16, 0, 1, Collision::bgk);
+  EXPECT_NEAR(taylor_green_error(16, 1, 2, Collision::bgk), xy, 1e-10);
+  EXPECT_NEAR(taylor_green_error(16, 2, 0, Collision::bgk), xy, 1e-10);
+  EXPECT_LT(taylor_green_error(32, 0, 1, Collision::trt), 0.01);
+}
+
+struct Duct {
+  Options options;
+  std::array<double, 2> half_width;
+  double maximum;
+};
+
+// A duct of 2W = `width` in x, `aspect` times as wide in y, of Reynolds number about 10/aspect.
+Duct duct(int width, int aspect, double tau, Boundary walls, Collision collision) {
+  const int extra = walls == Boundary::regularized ? 1 : 0;
+  Duct d;
+  d.options.nodes = {width + extra, aspect * width + extra, 2};
+  d.options.boundary = {walls, walls, Boundary::periodic};
+  d.options.tau = tau;
+  d.options.collision = collision;
+  const double w = width / 2.0;
+  const double nu = (tau - 0.5) / 3;
+  d.half_width = {w, aspect * w};
+  d.maximum = 10 * nu / (2 * w);
+  d.options.force = {0, 0, d.maximum / DuctFlow(d.half_width, 1, nu).maximum()};
+  return d;
+}
+
+NodeState developed(const Duct& d, int i, int j) {
+  const double nu = (d.options.tau - 0.5) / 3;
+  const DuctFlow flow(d.half_width, d.options.force[2], nu);
+  const double x = i - (d.options.nodes[0] - 1) / 2.0;
+  const double y = j - (d.options.nodes[1] - 1) / 2.0;
+  NodeState s;
+  if (std::abs(x) < d.half_width[0] && std::abs(y) < d.half_width[1]) {
+    s.velocity[2] = flow.velocity(x, y);
+    const Eigen::Vector2d g = flow.gradient(x, y);
+    s.gradient(0, 2) = g[0];
+    s.gradient(1, 2) = g[1];
+  }
+  return s;
+}
+
+// Root-mean-square difference to eq. (1) over the nodes, relative to that of eq. (1), in the steady
+// state.
+double duct_error(int width, int aspect, double tau, Boundary walls,
+                  Collision collision = Collision::bgk) {
+  const Duct d = duct(width, aspect, tau, walls, collision);
+  Fluid fluid(MPI_COMM_WORLD, d.options);
+  fluid.initialise([&](int i, int j, int) { return developed(d, i, j); });
+  const double time = width * width / 4.0 / fluid.viscosity();
+  for (int s = 0; s < static_cast<int>(1.0 * time); ++s) fluid.step();
+  const Field field = fields(fluid);
+  double error = 0;
+  double norm = 0;
+  std::size_t n = 2 * field.density.size();
+  for (int i = 0; i < d.options.nodes[0]; ++i) {
+    for (int j = 0; j < d.options.nodes[1]; ++j, n += 2) {
+      const double exact = developed(d, i, j).velocity[2];
+      error += std::pow(field.velocity[n] - exact, 2);
+      norm += std::pow(exact, 2);
+    }
+  }
+  return std::sqrt(error / norm);
+}
+
+class DuctWalls : public testing::TestWithParam<Boundary> {};
+
+TEST_P(DuctWalls, SteadyFlowIsTheSeriesWithOrderTwo) {
+  for (const double tau : {0.6, 0.8, 1.0}) {
+    const double e16 = duct_error(16, 1, tau, GetParam());
+    const double e32 = duct_error(32, 1, tau, GetParam());
+    EXPECT_LT(e32, 0.01) << "tau " << tau;
+    EXPECT_GT(std::log2(e16 / e32), 1.9) << "tau " << tau << ' ' << e16 << ' ' << e32;
+  }
+}
+
+TEST_P(DuctWalls, OrderTwoHoldsOnTheNextGrid) {
+  const double e32 = duct_error(32, 1, 1.0, GetParam());
+  const double e64 = duct_error(64, 1, 1.0, GetParam());
+  EXPECT_GT(std::log2(e32 / e64), 1.9) << e32 << ' ' << e64;
+}
+
+TEST_P(DuctWalls, RectangularDuctIsTheSeries) {
+  EXPECT_LT(duct_error(24, 2, 1.0, GetParam()), 0.01);
+}
+
+// u_c/U_max at nu t/W^2, from the eigenfunction expansion of the start-up flow.
+TEST_P(DuctWalls, StartsUpFromRestAsTheSeries) {
+  Duct d = duct(32, 1, 0.8, GetParam(), Collision::bgk);
+  // a node on the axis
+  const int extra = GetParam() == Boundary::regularized ? 1 : 0;
+  d.options.nodes[0] = d.options.nodes[1] = 31 + 2 * extra;
+  const double w = (d.options.nodes[0] - extra) / 2.0;
+  const double nu = (d.options.tau - 0.5) / 3;
+  d.maximum = 0.29468541 * d.options.force[2] * w * w / nu;
+  Fluid fluid(MPI_COMM_WORLD, d.options);
+  const double unit = w * w / nu;
+  const std::array<std::array<double, 2>, 5> table = {
+      {{.05, .169524}, {.1, .331814}, {.2, .585577}, {.5, .905461}, {1, .991983}}};
+  for (const auto& [t, expected] : table) {
+    while (static_cast<double>(fluid.time()) < std::round(t * unit)) fluid.step();
+    const Field field = fields(fluid);
+    const int c = d.options.nodes[0] / 2;
+    const auto n = static_cast<std::size_t>((c * d.options.nodes[1] + c) * 2);
+    EXPECT_NEAR(field.velocity[2 * field.density.size() + n] / d.maximum, expected, 0.01 * expected)
+        << "at t = " << t;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, DuctWalls,
+                         testing::Values(Boundary::halfway, Boundary::regularized),
+                         [](const auto& test) {
+                           return test.param == Boundary::halfway ? "Halfway" : "Regularized";
+                         });
+
+// With magic = 3/16 half-way walls lie half-way at any tau.
+TEST(Duct, TwoRelaxationTimesWithTheMagicNumberDoNotSlip) {
+  const double bgk = duct_error(16, 1, 1.0, Boundary::halfway);
+  const double trt = duct_error(16, 1, 1.0, Boundary::halfway, Collision::trt);
+  const double trt_low = duct_error(16, 1, 0.6, Boundary::halfway, Collision::trt);
+  EXPECT_LT(trt, bgk);
+  EXPECT_NEAR(trt, trt_low, 0.1 * trt);
+}
+
+// Linear profiles are exact, whichever way the walls are made and move.
+TEST(Couette, ProfileIsLinear) {
+  for (const Boundary walls : {Boundary::halfway, Boundary::regularized}) {
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+      if (walls == Boundary::regularized && axis == 2) continue;
+      Options o;
+      o.nodes = {2, 2, 2};
+      o.nodes[axis] = 12;
+      o.boundary[axis] = walls;
+      o.tau = 0.9;
+      const std::size_t along = (axis + 1) % 3;
+      o.wall_velocity[axis][0][static_cast<Eigen::Index>(along)] = -0.02;
+      o.wall_velocity[axis][1][static_cast<Eigen::Index>(along)] = 0.01;
+      Fluid fluid(MPI_COMM_WORLD, o);
+      for (int s = 0; s < 12000; ++s) fluid.step();
+      const Field field = fields(fluid);
+      const double wall = walls == Boundary::halfway ? -0.5 : 0;
+      const double width = walls == Boundary::halfway ? 12 : 11;
+      std::size_t n = 0;
+      for (int x = 0; x < o.nodes[0]; ++x) {
+        for (int y = 0; y < o.nodes[1]; ++y) {
+          for (int z = 0; z < o.nodes[2]; ++z, ++n) {
+            const std::array<int, 3> node = {x, y, z};
+            const double expected = -0.02 + 0.03 * (node[axis] - wall) / width;
+            EXPECT_NEAR(field.velocity[along * field.density.size() + n], expected, 1e-10);
+            EXPECT_NEAR(field.velocity[axis * field.density.size() + n], 0, 1e-10);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Storage, SinglePrecisionKeepsTheDuctFlow) {
+  Duct d = duct(16, 1, 1.0, Boundary::halfway, Collision::bgk);
+  std::array<std::vector<double>, 2> velocity;
+  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+    d.options.storage = storage;
+    Fluid fluid(MPI_COMM_WORLD, d.options);
+    for (int s = 0; s < 1000; ++s) fluid.step();
+    velocity[storage == Storage::double_precision ? 0 : 1] = fields(fluid).velocity;
+  }
+  double difference = 0;
+  for (std::size_t n = 0; n < velocity[0].size(); ++n) {
+    difference = std::max(difference, std::abs(velocity[0][n] - velocity[1][n]));
+  }
+  EXPECT_GT(difference, 0);
+  EXPECT_LT(difference, 1e-5 * d.maximum);
+}
+
+}  // namespace

@@ -1,0 +1,258 @@
+#include "ductile/fluid/fluid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "fluid/two_lattice.hpp"
+
+namespace {
+
+using namespace ductile::fluid;
+using ductile::test::TwoLattice;
+
+constexpr auto periodic = Boundary::periodic;
+constexpr auto halfway = Boundary::halfway;
+constexpr auto regularized = Boundary::regularized;
+
+// A smooth state without symmetries.
+NodeState wavy(const Options& o, int i, int j, int k) {
+  const auto angle = [](int n, int size) { return 2 * M_PI * n / size; };
+  const double x = angle(i, o.nodes[0]);
+  const double y = angle(j, o.nodes[1]);
+  const double z = angle(k, o.nodes[2]);
+  NodeState s;
+  s.density = 1 + 0.01 * std::sin(x + 2 * y) * std::cos(z);
+  s.velocity = {0.02 * std::sin(y + 0.3), 0.03 * std::cos(z + x), -0.01 * std::sin(2 * x + z)};
+  return s;
+}
+
+struct Field {
+  std::vector<double> density;
+  std::vector<double> velocity;
+};
+Field fields(Fluid& fluid) {
+  const auto& n = fluid.options().nodes;
+  const auto count = static_cast<std::size_t>(n[0] * n[1] * fluid.slab().size());
+  Field field{std::vector<double>(count), std::vector<double>(3 * count)};
+  fluid.fields(field.density, field.velocity);
+  return field;
+}
+
+struct Case {
+  const char* name;
+  std::array<Boundary, 3> boundary;
+  Collision collision;
+  bool moving_walls;
+  bool patches;
+};
+
+class InPlace : public testing::TestWithParam<Case> {};
+
+// The in-place step, with its walls, moving walls and boxes of local force, is the lattice
+// Boltzmann equation: density and velocity agree with the two-lattice code to round-off, after odd
+// and after even numbers of steps.
+TEST_P(InPlace, StepIsTheLatticeBoltzmannEquation) {
+  const Case& test = GetParam();
+  Options o;
+  o.nodes = {7, 6, 9};
+  o.boundary = test.boundary;
+  o.collision = test.collision;
+  o.tau = 0.8;
+  o.force = {1e-4, -2e-4, 3e-4};
+  if (test.moving_walls) {
+    o.wall_velocity[0] = {Eigen::Vector3d(0, 0.01, 0.02), Eigen::Vector3d(0, -0.03, 0.01)};
+    o.wall_velocity[2] = {Eigen::Vector3d(0.02, 0.01, 0), Eigen::Vector3d(0, 0.02, 0)};
+  }
+  Fluid fluid(MPI_COMM_WORLD, o);
+  fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
+
+  TwoLattice reference(o);
+  for (int x = 0; x < o.nodes[0]; ++x) {
+    for (int y = 0; y < o.nodes[1]; ++y) {
+      for (int z = 0; z < o.nodes[2]; ++z) {
+        const NodeState s = wavy(o, x, y, z);
+        for (int i = 0; i < d3q19::Q; ++i) {
+          const auto c = d3q19::c(i);
+          const Eigen::Vector3d e(c[0], c[1], c[2]);
+          const double cu = e.dot(s.velocity);
+          const double forcing = (3 * (e - s.velocity) + 9 * cu * e).dot(o.force);
+          reference.f(i, x, y, z) =
+              d3q19::w(i) *
+              (s.density * (1 + 3 * cu + 4.5 * cu * cu - 1.5 * s.velocity.squaredNorm()) -
+               0.5 * forcing);
+        }
+      }
+    }
+  }
+
+  const auto local = [&](int x, int y, int z) -> Eigen::Vector3d {
+    if (!test.patches || x < 2 || x > 5 || y < 1 || y > 4 || z < 3 || z > 6) {
+      return Eigen::Vector3d::Zero();
+    }
+    return 1e-4 * Eigen::Vector3d(x - y, z - 4, x + 0.5 * y);
+  };
+  if (test.patches) {
+    const std::array<Box, 1> boxes = {Box{{{2, 6}, {1, 5}, {3, 7}}}};
+    fluid.place_boxes(boxes);
+  }
+  for (int step = 1; step <= 7; ++step) {
+    fluid.read_velocity();
+    for (Patch& patch : fluid.patches()) {
+      for (int i = 0; i < patch.size[0]; ++i) {
+        for (int j = 0; j < patch.size[1]; ++j) {
+          for (int k = 0; k < patch.size[2]; ++k) {
+            const Eigen::Vector3d f =
+                local(patch.begin[0] + i, patch.begin[1] + j, patch.begin[2] + k);
+            for (std::size_t a = 0; a < 3; ++a) {
+              patch.force[a][static_cast<std::size_t>(patch.at(i, j, k))] =
+                  f[static_cast<Eigen::Index>(a)];
+            }
+          }
+        }
+      }
+    }
+    fluid.step();
+    reference.step(
+        [&](int x, int y, int z) -> Eigen::Vector3d { return o.force + local(x, y, z); });
+    const Field field = fields(fluid);
+    std::size_t n = 0;
+    for (int x = 0; x < o.nodes[0]; ++x) {
+      for (int y = 0; y < o.nodes[1]; ++y) {
+        for (int z = 0; z < o.nodes[2]; ++z, ++n) {
+          double rho = 0;
+          Eigen::Vector3d momentum = 0.5 * o.force;
+          for (int i = 0; i < d3q19::Q; ++i) {
+            const auto c = d3q19::c(i);
+            rho += reference.f(i, x, y, z);
+            momentum += reference.f(i, x, y, z) * Eigen::Vector3d(c[0], c[1], c[2]);
+          }
+          ASSERT_NEAR(field.density[n], rho, 1e-13) << step << ' ' << x << ' ' << y << ' ' << z;
+          for (std::size_t a = 0; a < 3; ++a) {
+            ASSERT_NEAR(field.velocity[a * field.density.size() + n],
+                        momentum[static_cast<Eigen::Index>(a)] / rho, 1e-13)
+                << step << ' ' << x << ' ' << y << ' ' << z;
+          }
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Walls, InPlace,
+    testing::Values(Case{"periodic", {periodic, periodic, periodic}, Collision::bgk, false, false},
+                    Case{"channel", {halfway, halfway, periodic}, Collision::bgk, false, true},
+                    Case{"slit", {halfway, periodic, periodic}, Collision::trt, true, true},
+                    Case{"across", {periodic, periodic, halfway}, Collision::bgk, false, true},
+                    Case{"closed", {halfway, halfway, halfway}, Collision::trt, true, true}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Fluid, KeepsMassAndGainsTheForceAsMomentum) {
+  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+    Options o;
+    o.nodes = {8, 7, 12};
+    o.tau = 0.7;
+    o.force = {1e-5, 2e-5, -3e-5};
+    o.storage = storage;
+    Fluid fluid(MPI_COMM_WORLD, o);
+    fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
+    const Totals before = fluid.totals();
+    constexpr int steps = 51;
+    for (int n = 0; n < steps; ++n) fluid.step();
+    const Totals after = fluid.totals();
+    const double nodes = 8 * 7 * 12;
+    // round-off of the storage, times a random walk over the steps
+    const double eps = storage == Storage::double_precision ? 1e-15 : 1e-7;
+    EXPECT_NEAR(after.mass, before.mass, nodes * eps);
+    EXPECT_LT((after.momentum - before.momentum - steps * nodes * o.force).norm(), nodes * eps);
+  }
+}
+
+TEST(Fluid, ClosedWallsKeepMass) {
+  Options o;
+  o.nodes = {8, 7, 12};
+  o.boundary = {halfway, halfway, halfway};
+  Fluid fluid(MPI_COMM_WORLD, o);
+  fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
+  const double before = fluid.totals().mass;
+  for (int n = 0; n < 100; ++n) fluid.step();
+  EXPECT_NEAR(fluid.totals().mass, before, 1e-12);
+}
+
+TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
+  Options o;
+  o.nodes = {8, 8, 8};
+  o.force = {0, 0, 2e-3};
+  Fluid fluid(MPI_COMM_WORLD, o);
+  fluid.initialise([](int, int, int) { return NodeState{1.02, {0.01, 0.02, 0.03}, {}}; });
+  const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {6, 10}}}};  // across the periodic end
+  fluid.place_boxes(boxes);
+  fluid.read_velocity();
+  std::size_t nodes = 0;
+  for (Patch& patch : fluid.patches()) {
+    for (auto& f : patch.force) std::fill(f.begin(), f.end(), 0.04);
+  }
+  fluid.update_velocity();
+  for (const Patch& patch : fluid.patches()) {
+    for (int i = 0; i < patch.size[0]; ++i) {
+      for (int j = 0; j < patch.size[1]; ++j) {
+        for (int k = 0; k < patch.size[2]; ++k, ++nodes) {
+          const auto n = static_cast<std::size_t>(patch.at(i, j, k));
+          EXPECT_NEAR(patch.density[n], 1.02, 1e-15);
+          EXPECT_NEAR(patch.velocity[0][n], 0.01 + 0.02 / 1.02, 1e-15);
+          EXPECT_NEAR(patch.velocity[2][n], 0.03 + 0.02 / 1.02, 1e-15);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(nodes, 64U);
+}
+
+TEST(Fluid, SaysWhatIsWrongWithItsOptions) {
+  const auto message = [](auto&& change) -> std::string {
+    Options o;
+    o.nodes = {8, 8, 8};
+    change(o);
+    try {
+      const Fluid fluid(MPI_COMM_WORLD, o);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message([](Options& o) { o.tau = 0.5; }).find("tau = 0.5"), std::string::npos);
+  EXPECT_NE(message([](Options& o) { o.tau = NAN; }).find("tau"), std::string::npos);
+  EXPECT_NE(message([](Options& o) { o.nodes[1] = 1; }).find("along y"), std::string::npos);
+  EXPECT_NE(message([](Options& o) { o.boundary[2] = regularized; }).find("half-way"),
+            std::string::npos);
+  EXPECT_NE(message([](Options& o) {
+              o.collision = Collision::trt;
+              o.magic = 0;
+            }).find("magic"),
+            std::string::npos);
+  EXPECT_NE(message([](Options& o) {
+              o.wall_velocity[0][1] = {0.1, 0, 0};
+            }).find("across x"),
+            std::string::npos);
+  EXPECT_EQ(message([](Options&) {}), "");
+}
+
+TEST(Fluid, RejectsABoxOutside) {
+  Options o;
+  o.nodes = {8, 8, 8};
+  o.boundary = {regularized, halfway, periodic};
+  Fluid fluid(MPI_COMM_WORLD, o);
+  const auto place = [&](Box box) {
+    const std::array<Box, 1> boxes = {box};
+    fluid.place_boxes(boxes);
+  };
+  EXPECT_THROW(place({{{0, 4}, {2, 6}, {2, 6}}}), std::invalid_argument);
+  EXPECT_THROW(place({{{1, 4}, {2, 9}, {2, 6}}}), std::invalid_argument);
+  EXPECT_THROW(place({{{1, 4}, {2, 6}, {2, 11}}}), std::invalid_argument);
+  EXPECT_NO_THROW(place({{{1, 7}, {0, 8}, {-2, 6}}}));
+}
+
+}  // namespace

@@ -1,0 +1,98 @@
+// The same bits on any number of ranks: each rank also computes the whole fluid on its own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ductile/fluid/fluid.hpp"
+
+namespace {
+
+using namespace ductile::fluid;
+
+class Ranks : public testing::TestWithParam<std::tuple<Boundary, Boundary, Storage>> {};
+
+TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
+  Options o;
+  o.nodes = {9, 8, 13};
+  o.boundary = {std::get<0>(GetParam()), std::get<0>(GetParam()), std::get<1>(GetParam())};
+  o.storage = std::get<2>(GetParam());
+  o.tau = 0.9;
+  o.force = {0, 0, 1e-4};
+  if (o.boundary[2] == Boundary::halfway) o.wall_velocity[2][1] = {0.01, 0.02, 0};
+  if (o.boundary[0] != Boundary::periodic) o.wall_velocity[0][0] = {0, 0, 0.02};
+  Fluid cut(MPI_COMM_WORLD, o);
+  Fluid whole(MPI_COMM_SELF, o);
+  const auto state = [](int i, int j, int k) {
+    NodeState s;
+    s.density = 1 + 0.01 * std::sin(1.1 * i + 0.7 * j - 1.9 * k);
+    s.velocity = {0.02 * std::sin(0.9 * j + k), 0.01 * std::cos(i - 0.4 * k), 0.03 * std::sin(i)};
+    return s;
+  };
+  const std::array<Box, 2> boxes = {Box{{{2, 6}, {1, 5}, {-3, 4}}}, Box{{{2, 6}, {1, 5}, {6, 9}}}};
+  const bool wraps = o.boundary[2] == Boundary::periodic;
+  for (Fluid* fluid : {&cut, &whole}) {
+    fluid->initialise(state);
+    fluid->place_boxes(std::span(boxes).subspan(wraps ? 0 : 1));
+  }
+  for (int step = 0; step < 5; ++step) {
+    for (Fluid* fluid : {&cut, &whole}) {
+      fluid->read_velocity();
+      for (Patch& patch : fluid->patches()) {
+        for (int i = 0; i < patch.size[0]; ++i) {
+          for (int j = 0; j < patch.size[1]; ++j) {
+            for (int k = 0; k < patch.size[2]; ++k) {
+              patch.force[1][static_cast<std::size_t>(patch.at(i, j, k))] =
+                  1e-4 * (i - 2 * j) * (patch.begin[2] + k);
+            }
+          }
+        }
+      }
+      fluid->step();
+    }
+    const auto columns = static_cast<std::size_t>(o.nodes[0] * o.nodes[1]);
+    const auto planes = static_cast<std::size_t>(o.nodes[2]);
+    const auto own = static_cast<std::size_t>(cut.slab().size());
+    std::vector<double> rho_cut(columns * own);
+    std::vector<double> u_cut(3 * columns * own);
+    cut.fields(rho_cut, u_cut);
+    std::vector<double> rho(columns * planes);
+    std::vector<double> u(3 * columns * planes);
+    whole.fields(rho, u);
+    for (std::size_t column = 0; column < columns; ++column) {
+      for (std::size_t k = 0; k < own; ++k) {
+        const std::size_t at = column * planes + static_cast<std::size_t>(cut.slab().begin) + k;
+        ASSERT_EQ(rho_cut[column * own + k], rho[at]) << step;
+        for (std::size_t a = 0; a < 3; ++a) {
+          ASSERT_EQ(u_cut[a * rho_cut.size() + column * own + k], u[a * rho.size() + at]) << step;
+        }
+      }
+    }
+    const Totals a = cut.totals();
+    const Totals b = whole.totals();
+    EXPECT_EQ(a.mass, b.mass);
+    EXPECT_EQ(a.momentum, b.momentum);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Ranks,
+    testing::Combine(testing::Values(Boundary::periodic, Boundary::halfway, Boundary::regularized),
+                     testing::Values(Boundary::periodic, Boundary::halfway),
+                     testing::Values(Storage::double_precision, Storage::single_precision)));
+
+TEST(Slabs, ShareThePlanesEvenly) {
+  Options o;
+  o.nodes = {2, 2, 13};
+  const Fluid fluid(MPI_COMM_WORLD, o);
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  int next = 0;
+  for (int r = 0; r < ranks; ++r) {
+    EXPECT_EQ(fluid.slab(r).begin, next);
+    EXPECT_LE(std::abs(fluid.slab(r).size() - 13 / ranks), 1);
+    next = fluid.slab(r).end;
+  }
+  EXPECT_EQ(next, 13);
+}
+
+}  // namespace
