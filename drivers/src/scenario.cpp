@@ -48,6 +48,9 @@ std::string shown(const toml::node& node) {
     text = "(a table)";
   } else if (const auto* string = node.as_string()) {
     text = in_quotes(string->get());
+  } else if (const auto* number = node.as_floating_point()) {
+    text = fmt::format("{}", number->get());
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";
   } else {
     std::ostringstream stream;
     node.visit([&stream](const auto& value) {
@@ -83,6 +86,34 @@ const std::map<std::string_view, std::vector<std::string_view>>& known_keys() {
   return known;
 }
 
+std::string joined(const std::vector<std::string_view>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// Where a key that is in the wrong table belongs.
+std::string home_of(std::string_view key) {
+  std::string home;
+  for (const auto& [table, keys] : known_keys())
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
+      if (table != "body") return fmt::format(" it belongs in [{}]", table);
+      home = " it belongs in [[body]]";
+    }
+  return home;
+}
+
+/// What to say of a name at the top level that is neither table nor key.
+std::string unknown_at_top(std::string_view name, bool is_table) {
+  std::vector<std::string_view> tables;
+  for (const auto& [table, keys] : known_keys()) tables.push_back(table);
+  std::vector<std::string_view> known = tables;
+  if (!is_table)
+    for (const std::string_view key : names_of(root_keys())) known.push_back(key);
+  std::string hint = suggestion(name, known);
+  if (hint.empty()) hint = home_of(name);
+  if (hint.empty()) hint = " the tables are " + joined(tables);
+  return fmt::format("unknown {};{}", is_table ? "table" : "key", hint);
+}
+
 /// A parsed file that knows where each of its values came from.
 class Document {
  public:
@@ -106,6 +137,8 @@ class Document {
     const std::vector<std::string> path = split(override.key);
     toml::table* table = &root_;
     if (path.size() == 2 && path[0] != "body") {
+      if (!known_keys().contains(path[0]))
+        throw InputError(override.origin + ": " + unknown_at_top(path[0], true));
       if (!root_.contains(path[0])) {
         toml::table added;
         root_.insert(path[0], std::move(added));
@@ -164,7 +197,7 @@ class Document {
       if (next == nullptr) break;
       node = next;
     }
-    if (node->is_array()) node = &root_;
+    if (node->is_array_of_tables()) node = &root_;
     fail(error.key(), *node, error.what());
   }
 
@@ -262,13 +295,8 @@ class Reader {
       }
       const auto roots = names_of(root_keys());
       if (std::find(roots.begin(), roots.end(), name) != roots.end()) continue;
-      std::vector<std::string_view> known = roots;
-      for (const auto& [table, keys] : known_keys()) known.push_back(table);
-      std::string hint = suggestion(name, known);
-      if (hint.empty()) hint = home_of(name);
-      if (hint.empty()) hint = " the tables are " + joined(known, roots.size());
       document_.fail_key(shown_key(name), key, node,
-                         fmt::format("unknown {};{}", node.is_table() ? "table" : "key", hint));
+                         unknown_at_top(name, node.is_table() || node.is_array_of_tables()));
     }
   }
 
@@ -281,24 +309,6 @@ class Reader {
       if (hint.empty()) hint = " the keys are " + joined(known);
       document_.fail_key(path + shown_key(key.str()), key, node, "unknown key;" + hint);
     }
-  }
-
-  /// Where a key that is in the wrong table belongs.
-  static std::string home_of(std::string_view key) {
-    std::string home;
-    for (const auto& [table, keys] : known_keys())
-      if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
-        if (table != "body") return fmt::format(" it belongs in [{}]", table);
-        home = " it belongs in [[body]]";
-      }
-    return home;
-  }
-
-  static std::string joined(const std::vector<std::string_view>& names, std::size_t from = 0) {
-    std::string text;
-    for (std::size_t i = from; i < names.size(); ++i)
-      text += (text.empty() ? "" : ", ") + std::string(names[i]);
-    return text;
   }
 
   static std::string name_from(const std::string& file) {

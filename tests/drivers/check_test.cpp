@@ -1,0 +1,145 @@
+#include "check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "input_support.hpp"
+#include "units.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+/// The gap of the first body to the second, in W.
+double gap_between(const std::string& bodies, const std::string& channel = "") {
+  const Scenario s = parse_scenario(channel + bodies, "case.toml");
+  const LatticeSetup setup = lattice_setup(s);
+  for (const Gap& gap : gaps(s, setup))
+    if (gap.to == Gap::To::body) return gap.distance / setup.half_width;
+  return -1;
+}
+
+std::string body(const std::string& keys) {
+  return "[[body]]\nlaplace = 10\n" + keys + "\n";
+}
+
+bool any_contains(const std::vector<std::string>& lines, const std::string& text) {
+  return std::any_of(lines.begin(), lines.end(), [&text](const std::string& line) {
+    return line.find(text) != std::string::npos;
+  });
+}
+
+TEST(Check, GapsOfSpheresAreExact) {
+  EXPECT_NEAR(gap_between(body("x = 0.3") + body("x = -0.3\nz = 0.8")), 0.2, 1e-12);
+  // The image through the periodic ends is nearer: 12 - 11 apart.
+  EXPECT_NEAR(gap_between(body("z = 5.5") + body("z = -5.5")), 0.2, 1e-12);
+}
+
+// Eq. (18) makes the cell 2.4 a across and, on its axis, 0.2484 a thick (0.6 x 0.207 to each side).
+// The meshes of the samples are inscribed, and their dimples are sampled near the axis only.
+TEST(Check, GapsOfCellsAreThoseOfTheirShape) {
+  const std::string cell = "shape = \"biconcave\"\n";
+  EXPECT_NEAR(gap_between(body(cell) + body("radius = 0.12\nz = 0.35")), 0.23 - 0.4 * 0.1242,
+              0.002);
+  EXPECT_NEAR(gap_between(body(cell + "rotation_angle = 90") + body("z = 1.0")), 0.6 - 0.48, 0.002);
+  // Stacked, rim faces rim at its thickest, 0.393079 a to each side.
+  EXPECT_NEAR(gap_between(body(cell) + body(cell + "z = 0.6")), 0.6 - 2 * 0.4 * 0.393079, 0.003);
+}
+
+TEST(Check, OverlapsOfCellsAreFound) {
+  const std::string cell = "shape = \"biconcave\"\n";
+  // A small sphere inside a cell's rim, in its dimple, and a cell across another.
+  EXPECT_NE(refusal(body(cell) + body("radius = 0.12\nx = 0.33")), "");
+  EXPECT_EQ(refusal("[channel]\nnodes = 80\n" + body(cell) + body("radius = 0.1\nz = 0.18")), "");
+  EXPECT_NE(refusal(body(cell) + body(cell + "rotation_angle = 90\nz = 0.3")), "");
+}
+
+TEST(Check, TheNumberOfNodesItAsksForIsEnough) {
+  for (const char* walls : {"halfway", "regularized"}) {
+    const std::string text =
+        std::string("[channel]\nwalls = \"") + walls + "\"\n" + "nodes = @\n" + body("x = 0.47");
+    const auto with = [&text](const std::string& nodes) {
+      std::string changed = text;
+      return refusal(changed.replace(changed.find('@'), 1, nodes));
+    };
+    const std::string refused = with("16");
+    const std::string marker = "raise channel.nodes to ";
+    ASSERT_NE(refused.find(marker), std::string::npos) << refused;
+    const int enough = std::stoi(refused.substr(refused.find(marker) + marker.size()));
+    EXPECT_EQ(with(std::to_string(enough)), "");
+    EXPECT_NE(with(std::to_string(enough - 1)), "");
+  }
+}
+
+// Measured limits, in lattice units: k_s 1.5, 2.9, 3.7 at tau = 0.6, 0.8, 1; k_v of 1.1e6, 2e5 and
+// 9e4 rho nu^2/W^2 at 36 nodes across.
+TEST(Check, StabilityLimitsAreTheMeasuredOnes) {
+  EXPECT_DOUBLE_EQ(stable_shear_modulus(0.6), 1.5);
+  EXPECT_DOUBLE_EQ(stable_shear_modulus(0.8), 2.9);
+  EXPECT_DOUBLE_EQ(stable_shear_modulus(1.0), 3.7);
+  EXPECT_DOUBLE_EQ(stable_shear_modulus(0.9), 3.3);
+  EXPECT_LT(stable_shear_modulus(0.51), 0.2);
+  const double measured[3][2] = {{0.6, 1.1e6}, {0.8, 2e5}, {1.0, 9e4}};
+  for (const auto& [tau, k_v] : measured) {
+    const double nu = (tau - 0.5) / 3;
+    EXPECT_NEAR(stable_volume_modulus(tau) / (k_v * nu * nu / (18 * 18)), 1, 0.02);
+  }
+}
+
+TEST(Check, WarnsOfWhatBringsARunDown) {
+  const auto warned = [](const std::string& text) {
+    const Scenario s = parse_scenario(text, "case.toml");
+    return warnings(s, lattice_setup(s));
+  };
+  EXPECT_TRUE(warned(std::string(pair_text)).empty());
+  EXPECT_TRUE(any_contains(warned("[[body]]\nlaplace = 1100\n"), "k_s"));
+  EXPECT_TRUE(warned("[[body]]\nlaplace = 900\n").empty());
+  EXPECT_TRUE(any_contains(warned("[[body]]\nlaplace = 10\nvolume_modulus = 1e5\n"), "k_v"));
+  EXPECT_TRUE(any_contains(warned(body("x = 0.2\nz = 0.5") + body("x = 0.2\nz = -0.5")),
+                           "is 3.6 lattice spacings, under the 4 that resolve the flow in it; "
+                           "channel.nodes = 40 would do"));
+  EXPECT_TRUE(any_contains(warned("[channel]\nreynolds = 30\n"), "Mach number 0.24"));
+  EXPECT_TRUE(any_contains(warned(body("mobility = 0\nedge = 0.7")), "no mobility"));
+  EXPECT_TRUE(warned(body("mobility = 0\nedge = 1.2")).empty());
+  EXPECT_TRUE(any_contains(warned(body("radius = 0.2")), "3.6 lattice spacings; under 4"));
+}
+
+TEST(Check, NotesWhatTheRunMakesOfTheScenario) {
+  const auto noted = [](const std::string& text) {
+    const Scenario s = parse_scenario(text, "case.toml");
+    return notes(s, lattice_setup(s));
+  };
+  const auto reduced = noted(std::string(pair_text));
+  ASSERT_EQ(reduced.size(), 1U);
+  EXPECT_EQ(reduced[0].substr(0, 64),
+            "volume_modulus of lead, lag is 17400 rho nu^2/W^2 (1.5 in lattic");
+  EXPECT_TRUE(noted("[channel]\nnodes = 90\n" + std::string(pair_text)).empty());
+  EXPECT_TRUE(any_contains(noted("[channel]\nlength = 7.3\n"), "channel.length = 7.3 is 7.27778"));
+}
+
+TEST(Check, CostFollowsFromNodesAndSteps) {
+  const Scenario s = parse_scenario("[channel]\nnodes = 90\n", "case.toml");
+  const LatticeSetup setup = lattice_setup(s);
+  EXPECT_EQ(setup.node_count(), 90 * 90 * 540);
+  EXPECT_EQ(population_bytes(s, setup), 90.0 * 90 * 540 * 19 * 8);
+  const Scenario single =
+      parse_scenario("[channel]\nnodes = 90\n[fluid]\nstorage = 'single'\n", "case.toml");
+  EXPECT_EQ(population_bytes(single, setup), 90.0 * 90 * 540 * 19 * 4);
+  EXPECT_DOUBLE_EQ(estimated_seconds(setup, 1), 2 * estimated_seconds(setup, 2));
+}
+
+TEST(Check, ReportSaysWhatTheRunWouldBe) {
+  const Scenario s = parse_scenario(pair_text, "case.toml");
+  const std::string text = report(s, lattice_setup(s), 2);
+  for (const char* part :
+       {"36 x 36 x 216 = 279936 nodes", "W = 18 dx", "Mach number 0.080", "1944 steps per W^2/nu",
+        "116640 steps until t = 60", "lag: capsule, a = 7.2 dx", "k_s = 0.3858",
+        "k_s at 10% of its limit, k_v at 19%", "42.6 MB", "4.987 dx from body \"lead\" to body"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
+}
+
+}  // namespace
+}  // namespace ductile::drivers

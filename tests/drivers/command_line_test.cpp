@@ -1,0 +1,148 @@
+#include "command_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "pairs.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+const std::string scenario_dir = DUCTILE_SCENARIO_DIR;
+
+std::string refused(const std::vector<std::string>& arguments) {
+  try {
+    parse_command_line(arguments);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(CommandLine, PairIsItsScenarioFileWithTheSameValues) {
+  ASSERT_EQ(pair_scenarios().size(), 7U);
+  for (const auto& [name, text] : pair_scenarios()) {
+    const Command pair = parse_command_line({"pair", std::string(name), "--x-lag", "0.1", "--nodes",
+                                             "48", "--tau", "0.9", "--length", "10", "--time-limit",
+                                             "7", "--set", "membrane.mobility=0"});
+    const Command run = parse_command_line(
+        {"run", scenario_dir + "/" + std::string(name) + ".toml", "--set", "body.lag.x=0.1",
+         "--set=channel.nodes=48", "--set", "fluid.tau=0.9", "--set", "channel.length=10", "--set",
+         "run.time_limit=7", "--set", "membrane.mobility=0"});
+    EXPECT_EQ(pair.action, Command::Action::run);
+    EXPECT_EQ(run.action, Command::Action::run);
+    EXPECT_EQ(pair.scenario, run.scenario) << name;
+    EXPECT_EQ(pair.scenario.bodies.at(1).x, 0.1);
+    EXPECT_EQ(resolved_toml(pair.scenario), resolved_toml(run.scenario));
+  }
+}
+
+// Fig. 2 of the paper.
+TEST(CommandLine, PairsAreThePapers) {
+  struct Particle {
+    BodyKind kind;
+    BodyShape shape;
+    double laplace;
+  };
+  constexpr auto capsule = BodyKind::capsule;
+  constexpr auto sphere = BodyShape::sphere;
+  constexpr auto cell = BodyShape::biconcave;
+  const std::vector<std::pair<std::string, std::array<Particle, 2>>> table = {
+      {"M1", {{{capsule, sphere, 10}, {capsule, sphere, 10}}}},
+      {"M2", {{{capsule, sphere, 100}, {capsule, sphere, 100}}}},
+      {"M3", {{{BodyKind::rigid, sphere, 0}, {BodyKind::rigid, sphere, 0}}}},
+      {"B1", {{{capsule, sphere, 10}, {capsule, cell, 10}}}},
+      {"B2", {{{capsule, sphere, 100}, {capsule, cell, 100}}}},
+      {"B3", {{{capsule, sphere, 10}, {capsule, sphere, 100}}}},
+      {"B4", {{{capsule, sphere, 100}, {capsule, sphere, 10}}}}};
+  for (const auto& [name, particles] : table)
+    for (const char* x_lag : {"-0.4", "-0.2", "0", "0.2", "0.4"}) {
+      const Scenario s = parse_command_line({"pair", name, "--x-lag", x_lag}).scenario;
+      EXPECT_EQ(s.name, name);
+      EXPECT_EQ(s.channel.reynolds, 10);
+      ASSERT_EQ(s.bodies.size(), 2U);
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(s.bodies[i].kind, particles[i].kind);
+        EXPECT_EQ(s.bodies[i].shape, particles[i].shape);
+        EXPECT_EQ(s.bodies[i].laplace, particles[i].laplace);
+        EXPECT_EQ(s.bodies[i].radius, 0.4);
+        EXPECT_EQ(s.bodies[i].y, 0);
+        EXPECT_EQ(s.bodies[i].rotation_angle, 0);
+      }
+      EXPECT_EQ(s.bodies[0].x, 0.2);
+      EXPECT_EQ(s.bodies[1].x, std::stod(x_lag));
+      EXPECT_EQ(s.bodies[0].z - s.bodies[1].z, 1);
+    }
+}
+
+TEST(CommandLine, DirectoriesAreNamedForTheRun) {
+  EXPECT_EQ(parse_command_line({"pair", "M1", "--x-lag", "-0.20"}).directory, "runs/M1_x-lag_-0.2");
+  EXPECT_EQ(parse_command_line({"run", scenario_dir + "/rigid.toml"}).directory, "runs/rigid");
+  EXPECT_EQ(parse_command_line({"pair", "M1", "--x-lag", "0", "-o", "some/where"}).directory,
+            "some/where");
+}
+
+TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
+  const std::filesystem::path directory =
+      std::filesystem::path(testing::TempDir()) / "ductile_command_line_test";
+  std::filesystem::create_directories(directory);
+  std::ofstream(directory / "trajectory.csv") << "precious";
+  const std::vector<std::string> arguments = {"pair", "M1", "--x-lag",
+                                              "0",    "-o", directory.string()};
+  EXPECT_EQ(refused(arguments),
+            directory.string() +
+                ": is not empty: add --force to replace the run in it, or choose another with -o");
+  std::vector<std::string> forced = arguments;
+  forced.emplace_back("--force");
+  EXPECT_TRUE(parse_command_line(forced).force);
+  const std::string file = (directory / "trajectory.csv").string();
+  EXPECT_EQ(refused({"pair", "M1", "--x-lag", "0", "-o", file}),
+            file + ": is not a directory: choose another with -o");
+  std::filesystem::remove_all(directory);
+  EXPECT_EQ(refused(arguments), "");
+  EXPECT_FALSE(std::filesystem::exists(directory));
+}
+
+TEST(CommandLine, MistakesGetOneLine) {
+  EXPECT_EQ(refused({}), "ductile: no command given; see ductile --help");
+  EXPECT_EQ(refused({"chek", "x"}), "ductile chek: not understood; did you mean \"check\"?");
+  EXPECT_EQ(refused({"pair", "M1", "--x-lag", "0", "--node", "24"}),
+            "ductile pair --node: not understood; did you mean \"--nodes\"?");
+  EXPECT_EQ(refused({"pair", "m3", "--x-lag", "0"}),
+            "ductile pair m3: unknown pair; did you mean \"M3\"?");
+  EXPECT_EQ(refused({"pair", "quick", "--x-lag", "0"}),
+            "ductile pair quick: unknown pair; the pairs are M1, M2, M3, B1, B2, B3, B4");
+  EXPECT_EQ(refused({"pair", "M1"}), "ductile pair: --x-lag is required; see ductile pair --help");
+  EXPECT_EQ(refused({"run"}), "ductile run: FILE is required; see ductile run --help");
+  EXPECT_EQ(refused({"pair", "M1", "--x-lag", "left"}), "--x-lag left: must be a number");
+  EXPECT_EQ(refused({"pair", "M1", "--x-lag", "0", "--nodes", "3"}),
+            "--nodes 3: must be a whole number from 8 to 4096");
+  EXPECT_EQ(refused({"check", scenario_dir + "/M1.toml", "--set", "nodes"}),
+            "--set nodes: must be KEY=VALUE, such as --set channel.nodes=48 or --set "
+            "body.lag.x=0.1");
+  EXPECT_EQ(refused({"check", "absent.toml"}),
+            "absent.toml: cannot be read: No such file or directory");
+}
+
+TEST(CommandLine, HelpKeysAndVersionArePrinted) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--help"}, {"run", "--help"}, {"pair", "-h"}}) {
+    const Command help = parse_command_line(arguments);
+    EXPECT_EQ(help.action, Command::Action::print);
+    EXPECT_NE(help.text.find("Exit codes: 0 success"), std::string::npos);
+  }
+  EXPECT_NE(parse_command_line({"pair", "--help"}).text.find("--x-lag"), std::string::npos);
+  EXPECT_EQ(parse_command_line({"keys"}).text, describe_keys());
+  const std::string version = parse_command_line({"--version"}).text;
+  for (const char* part : {"ductile ", "\ncompiler ", "\nMPI ", "\nPETSc 3.", "\nHDF5 1.",
+                           "\nEigen 3.", "\ntoml++ ", "\nCLI11 ", "\nfmt "})
+    EXPECT_NE(version.find(part), std::string::npos) << part << " is not in\n" << version;
+}
+
+}  // namespace
+}  // namespace ductile::drivers

@@ -1,0 +1,475 @@
+#include "scenario.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "input_support.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+const std::filesystem::path scenario_dir = DUCTILE_SCENARIO_DIR;
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::filesystem::path> scenario_files() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(scenario_dir))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  return files;
+}
+
+TEST(Scenario, EmptyFileGetsEveryDefault) {
+  const Scenario s = parse_scenario("", "some/where/my case.toml");
+  EXPECT_EQ(s.name, "my-case");
+  EXPECT_EQ(s.channel.nodes, 36);
+  EXPECT_EQ(s.channel.walls, fluid::Boundary::halfway);
+  EXPECT_EQ(s.channel.length, 12);
+  EXPECT_EQ(s.channel.half_width_y, 1);
+  EXPECT_EQ(s.channel.reynolds, 10);
+  EXPECT_EQ(s.channel.start, Start::developed);
+  EXPECT_EQ(s.fluid.tau, 1);
+  EXPECT_EQ(s.fluid.collision, fluid::Collision::bgk);
+  EXPECT_EQ(s.fluid.magic, 3.0 / 16.0);
+  EXPECT_EQ(s.fluid.storage, fluid::Storage::double_precision);
+  EXPECT_EQ(s.membrane.law, membrane::StrainLaw::skalak);
+  EXPECT_EQ(s.membrane.area_ratio, 2);
+  EXPECT_EQ(s.membrane.bending, 2.87e-3);
+  EXPECT_EQ(s.membrane.mobility, 1e-3);
+  EXPECT_EQ(s.membrane.edge, 1.2);
+  EXPECT_EQ(s.membrane.integrator, "explicit-euler");
+  EXPECT_EQ(s.rigid.iterations, 5);
+  EXPECT_EQ(s.run.time_limit, 60);
+  EXPECT_EQ(s.run.stop_distance, 10);
+  EXPECT_TRUE(s.run.until_decided);
+  EXPECT_EQ(s.output.every, 0.05);
+  EXPECT_EQ(s.output.surfaces_every, 0.5);
+  EXPECT_EQ(s.output.field_every, 0);
+  EXPECT_TRUE(s.bodies.empty());
+}
+
+TEST(Scenario, BodiesTakeWhatTheirTablesSay) {
+  const Scenario s = parse_scenario(R"(
+[membrane]
+mobility = 0
+edge = 0.8
+[rigid]
+iterations = 3
+[[body]]
+laplace = 10
+x = 0.3
+edge = 1.0
+law = "neo-hookean"
+[[body]]
+name = "ball"
+kind = "rigid"
+z = 4
+density_ratio = 2.5
+edge = 0.7
+[[body]]
+laplace = 20
+shape = "biconcave"
+z = -4
+rotation_axis = [1, 0, 0]
+rotation_angle = 90
+)",
+                                    "case.toml");
+  ASSERT_EQ(s.bodies.size(), 3U);
+  EXPECT_EQ(s.bodies[0].name, "body1");
+  EXPECT_EQ(s.bodies[0].x, 0.3);
+  EXPECT_EQ(s.bodies[0].radius, 0.4);
+  EXPECT_EQ(s.bodies[0].membrane.mobility, 0);
+  EXPECT_EQ(s.bodies[0].membrane.edge, 1.0);
+  EXPECT_EQ(s.bodies[0].membrane.law, membrane::StrainLaw::neo_hookean);
+  EXPECT_EQ(s.bodies[1].name, "ball");
+  EXPECT_EQ(s.bodies[1].kind, BodyKind::rigid);
+  EXPECT_EQ(s.bodies[1].density_ratio, 2.5);
+  EXPECT_EQ(s.bodies[1].rigid.iterations, 3);
+  EXPECT_EQ(s.bodies[1].rigid.edge, 0.7);
+  EXPECT_EQ(s.bodies[2].name, "body3");
+  EXPECT_EQ(s.bodies[2].shape, BodyShape::biconcave);
+  EXPECT_EQ(s.bodies[2].membrane.edge, 0.8);
+  EXPECT_EQ(s.bodies[2].membrane.law, membrane::StrainLaw::skalak);
+  EXPECT_EQ(s.bodies[2].rotation_axis, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_EQ(s.bodies[2].rotation_angle, 90);
+}
+
+TEST(Scenario, OverridesReplaceAndAddValuesInTheirOrder) {
+  const Scenario s = parse_scenario(
+      pair_text, "case.toml",
+      {set("channel.nodes", "48"), set("body.lag.x", "0.1"), set("channel.nodes", "40"),
+       set("channel.walls", "regularized"), set("name", "other"), set("body.lead.mobility", "0"),
+       set("channel.gravity", "[0, 1, -2.5]"), set("run.until_decided", "false")});
+  EXPECT_EQ(s.channel.nodes, 40);
+  EXPECT_EQ(s.channel.walls, fluid::Boundary::regularized);
+  EXPECT_EQ(s.name, "other");
+  EXPECT_EQ(s.bodies[1].x, 0.1);
+  EXPECT_EQ(s.bodies[0].membrane.mobility, 0);
+  EXPECT_EQ(s.bodies[1].membrane.mobility, 1e-3);
+  EXPECT_EQ(s.channel.gravity, (std::array<double, 3>{0, 1, -2.5}));
+  EXPECT_FALSE(s.run.until_decided);
+}
+
+TEST(Scenario, OverridesReachBodiesWithoutANameByTheirNumber) {
+  const Scenario s =
+      parse_scenario("[[body]]\nlaplace = 10\n", "case.toml", {set("body.body1.x", "0.25")});
+  EXPECT_EQ(s.bodies[0].x, 0.25);
+}
+
+TEST(Scenario, StopDistanceFollowsAShortChannel) {
+  EXPECT_EQ(parse_scenario("[channel]\nlength = 8\n", "c").run.stop_distance, 6);
+  EXPECT_EQ(parse_scenario("[channel]\nlength = 3\n", "c").run.stop_distance, 1.5);
+  EXPECT_EQ(parse_scenario("[channel]\nlength = 30\n", "c").run.stop_distance, 10);
+  EXPECT_EQ(
+      parse_scenario("[channel]\nlength = 8\n[run]\nstop_distance = 7\n", "c").run.stop_distance,
+      7);
+}
+
+TEST(Scenario, ResolvedFileGivesTheIdenticalScenario) {
+  for (const auto& file : scenario_files()) {
+    const Scenario scenario = load_scenario(file);
+    const std::string resolved = resolved_toml(scenario);
+    const Scenario again = parse_scenario(resolved, "scenario.toml");
+    EXPECT_EQ(again, scenario) << file;
+    EXPECT_EQ(resolved_toml(again), resolved) << file;
+  }
+}
+
+TEST(Scenario, ResolvedFileKeepsEveryKeyThatIsNotItsDefault) {
+  const Scenario scenario = parse_scenario(R"(
+name = "all-different"
+[channel]
+nodes = 41
+walls = "regularized"
+side_walls = false
+half_width_y = 1.3
+length = 9.7
+reynolds = 0.1
+wall_velocity = [-0.3, 0.1]
+gravity = [1e-30, 0.1, -1e5]
+start = "rest"
+[fluid]
+tau = 0.7000000000000001
+collision = "trt"
+magic = 0.25
+storage = "single"
+[membrane]
+law = "neo-hookean"
+area_ratio = 3.3
+bending = 0
+volume_modulus = 1234.5
+mobility = 0.002
+edge = 0.9
+frequency = 9
+[rigid]
+iterations = 7
+edge = 1.1
+frequency = 11
+[run]
+time_limit = 3.3
+stop_distance = 4.4
+until_decided = false
+[output]
+every = 0.01
+surfaces_every = 0
+field_every = 1.5
+[[body]]
+name = "a_1"
+laplace = 12.5
+radius = 0.35
+x = 0.1
+y = -0.1
+z = 2.2
+shape = "biconcave"
+rotation_axis = [0.1, 0.2, 0.3]
+rotation_angle = -33.3
+volume_modulus = 99.5
+[[body]]
+name = "b-2"
+kind = "rigid"
+density_ratio = 0.7
+iterations = 2
+)",
+                                           "case.toml");
+  EXPECT_EQ(scenario.fluid.tau, 0.7000000000000001);
+  EXPECT_EQ(scenario.bodies[0].membrane.volume_modulus, 99.5);
+  EXPECT_EQ(parse_scenario(resolved_toml(scenario), "scenario.toml"), scenario);
+}
+
+TEST(Scenario, DocumentationNamesEveryKeyOfAResolvedFile) {
+  const std::string documentation = describe_keys();
+  const std::string resolved = resolved_toml(
+      parse_scenario("[[body]]\nlaplace = 1\n[[body]]\nkind = 'rigid'\nz = 3\n", "c"));
+  const std::regex assignment(R"((^|\n)(\w+) = )");
+  int keys = 0;
+  for (auto it = std::sregex_iterator(resolved.begin(), resolved.end(), assignment);
+       it != std::sregex_iterator(); ++it, ++keys)
+    EXPECT_NE(documentation.find("\n  " + (*it)[2].str() + " = "), std::string::npos)
+        << (*it)[2].str();
+  EXPECT_GT(keys, 50);
+}
+
+struct Wrong {
+  std::string text;
+  std::string message;
+};
+
+TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
+  const std::string capsule = "[[body]]\nname = \"a\"\nlaplace = 10\n";  // three lines
+  const std::vector<Wrong> table = {
+      // unknown keys and tables
+      {"[channel]\nnodse = 36\n",
+       "case.toml:2:1: channel.nodse: unknown key; did you mean \"nodes\"?"},
+      {"[channel]\n  Nodes = 36\n",
+       "case.toml:2:3: channel.Nodes: unknown key; did you mean \"nodes\"?"},
+      {"[channel]\nhalf-width-y = 2\n",
+       "case.toml:2:1: channel.half-width-y: unknown key; did you mean \"half_width_y\"?"},
+      {"[channel]\ntau = 0.8\n", "case.toml:2:1: channel.tau: unknown key; it belongs in [fluid]"},
+      {"[run]\nlaplace = 8\n", "case.toml:2:1: run.laplace: unknown key; it belongs in [[body]]"},
+      {"tau = 0.8\n", "case.toml:1:1: tau: unknown key; it belongs in [fluid]"},
+      {"[run]\nxyzzy = 1\n",
+       "case.toml:2:1: run.xyzzy: unknown key; the keys are time_limit, stop_distance, "
+       "until_decided"},
+      {"[chanel]\nnodes = 36\n", "case.toml:1:2: chanel: unknown table; did you mean \"channel\"?"},
+      {"[quantum]\n",
+       "case.toml:1:2: quantum: unknown table; the tables are body, channel, fluid, membrane, "
+       "output, rigid, run"},
+      {"[[bodies]]\n",
+       "case.toml:1:3: bodies: unknown table; the tables are body, channel, fluid, membrane, "
+       "output, rigid, run"},
+      {"\"na\\nme\" = 1\n", "case.toml:1:1: \"na\\u000Ame\": unknown key; did you mean \"name\"?"},
+      {capsule + "raduis = 0.3\n",
+       "case.toml:4:1: body.a.raduis: unknown key; did you mean \"radius\"?"},
+      // wrong types
+      {"[channel]\nnodes = \"36\"\n",
+       "case.toml:2:9: channel.nodes = \"36\": must be a whole number from 8 to 4096"},
+      {"[channel]\nnodes = 36.0\n",
+       "case.toml:2:9: channel.nodes = 36.0: must be a whole number from 8 to 4096"},
+      {"[channel]\nnodes = [36]\n",
+       "case.toml:2:9: channel.nodes = [36]: must be a whole number from 8 to 4096"},
+      {"[channel]\nnodes = {n = 36}\n",
+       "case.toml:2:9: channel.nodes: must be a whole number from 8 to 4096"},
+      {"[channel]\nlength = true\n",
+       "case.toml:2:10: channel.length = true: must be a number from 1 to 1000"},
+      {"[channel]\nlength = 2021-02-22\n",
+       "case.toml:2:10: channel.length = 2021-02-22: must be a number from 1 to 1000"},
+      {"[channel]\nwalls = 1\n",
+       "case.toml:2:9: channel.walls = 1: must be \"halfway\" or \"regularized\""},
+      {"[channel]\nwalls = \"regularised\"\n",
+       "case.toml:2:9: channel.walls = \"regularised\": must be \"halfway\" or \"regularized\"; "
+       "did "
+       "you mean \"regularized\"?"},
+      {"[channel]\nside_walls = 1\n",
+       "case.toml:2:14: channel.side_walls = 1: must be true or false"},
+      {"[channel]\ngravity = [0, 1]\n",
+       "case.toml:2:11: channel.gravity = [0, 1]: must be an array of 3 numbers"},
+      {"[channel]\ngravity = [0, 1, \"2\"]\n",
+       "case.toml:2:11: channel.gravity = [0, 1, \"2\"]: must be an array of 3 numbers"},
+      {"[membrane]\nlaw = \"hooke\"\n",
+       "case.toml:2:7: membrane.law = \"hooke\": must be \"skalak\" or \"neo-hookean\""},
+      {"name = 7\n",
+       "case.toml:1:8: name = 7: must be a name of 1 to 64 letters, digits, '-' or '_'"},
+      {"name = \"../x\"\n",
+       "case.toml:1:8: name = \"../x\": must be a name of 1 to 64 letters, digits, '-' or '_'"},
+      {"channel = 3\n", "case.toml:1:11: channel = 3: must be a table: write [channel]"},
+      {"[body]\nlaplace = 3\n", "case.toml:1:1: body: must be an array of tables: write [[body]]"},
+      {"body = [1]\n", "case.toml:1:9: body = 1: must be an array of tables: write [[body]]"},
+      // out of bounds
+      {"[channel]\nnodes = 7\n",
+       "case.toml:2:9: channel.nodes = 7: must be a whole number from 8 to 4096"},
+      {"[channel]\nnodes = 9223372036854775807\n",
+       "case.toml:2:9: channel.nodes = 9223372036854775807: must be a whole number from 8 to 4096"},
+      {"[fluid]\ntau = 0.5\n",
+       "case.toml:2:7: fluid.tau = 0.5: must be a number above 0.5 and at most 1 (at 1/2 the "
+       "viscosity vanishes; above 1 capsules drift to wrong places)"},
+      {"[fluid]\ntau = 1.01\n",
+       "case.toml:2:7: fluid.tau = 1.01: must be a number above 0.5 and at most 1 (at 1/2 the "
+       "viscosity vanishes; above 1 capsules drift to wrong places)"},
+      {"[fluid]\ntau = nan\n",
+       "case.toml:2:7: fluid.tau = nan: must be a number above 0.5 and at most 1 (at 1/2 the "
+       "viscosity vanishes; above 1 capsules drift to wrong places)"},
+      {"[run]\ntime_limit = 0\n",
+       "case.toml:2:14: run.time_limit = 0: must be a number above 0 and at most 100000"},
+      {"[run]\nstop_distance = inf\n",
+       "case.toml:2:17: run.stop_distance = inf: must be a number above 0"},
+      {"[output]\nevery = -1\n",
+       "case.toml:2:9: output.every = -1: must be a number above 0 and at most 100000"},
+      {capsule + "radius = 0\n",
+       "case.toml:4:10: body.a.radius = 0: must be a number above 0 and at most 20"},
+      {capsule + "x = inf\n", "case.toml:4:5: body.a.x = inf: must be a number"},
+      // what does not go together
+      {"[run]\nstop_distance = 13\n",
+       "case.toml:2:17: run.stop_distance = 13: must be at most channel.length = 12: further away "
+       "is nearer to the periodic image"},
+      {"[channel]\nwall_velocity = [1, -1]\nstart = \"developed\"\n",
+       "case.toml:3:9: channel.start = \"developed\": must be \"rest\" where walls move and there "
+       "are side walls, since no developed flow is known for it (or set channel.side_walls = "
+       "false)"},
+      {"[channel]\nwall_velocity = [1, -1]\n",
+       "case.toml:1:1: channel.start: must be \"rest\" where walls move and there are side walls, "
+       "since no developed flow is known for it (or set channel.side_walls = false)"},
+      {"[channel]\nreynolds = 100\n",
+       "case.toml:2:12: channel.reynolds = 100: makes the Mach number 0.8, at most 0.3 is sound: "
+       "raise channel.nodes to 98 or lower fluid.tau"},
+      {"[channel]\nwall_velocity = [0, -60]\nside_walls = false\n",
+       "case.toml:2:17: channel.wall_velocity = [0, -60]: makes the Mach number 0.96, at most 0.3 "
+       "is sound: raise channel.nodes to 117 or lower fluid.tau"},
+      {"[[body]]\nname = \"a\"\n",
+       "case.toml:1:1: body.a.laplace: is missing: state the capsule's softness La = k_s a/(rho "
+       "nu^2)"},
+      {capsule + "density_ratio = 2\n",
+       "case.toml:4:1: body.a.density_ratio: does not apply to a capsule: remove it"},
+      {"[[body]]\nname = \"a\"\nkind = \"rigid\"\nlaplace = 10\n",
+       "case.toml:4:1: body.a.laplace: does not apply to a rigid body: remove it"},
+      {"[[body]]\nname = \"a\"\nkind = \"rigid\"\nmobility = 0\n",
+       "case.toml:4:1: body.a.mobility: does not apply to a rigid body: remove it"},
+      {"[[body]]\nname = \"a\"\nkind = \"rigid\"\nshape = \"biconcave\"\n",
+       "case.toml:4:9: body.a.shape = \"biconcave\": rigid bodies are spheres: remove it"},
+      {capsule + "rotation_axis = [0, 0, 0]\n",
+       "case.toml:4:17: body.a.rotation_axis = [0, 0, 0]: must not be zero"},
+      {capsule + "z = 6.5\n",
+       "case.toml:4:5: body.a.z = 6.5: must be from -6 to 6: half of channel.length either way"},
+      {capsule + "z = -3\n" + capsule,
+       "case.toml:6:8: body.name = \"a\": two bodies are called \"a\": give each its own name"},
+      // bodies that do not fit
+      {capsule + "x = 0.7\n",
+       "case.toml:4:5: body.a.x = 0.7: body \"a\" reaches 0.1 W into the wall at x = 1: move it or "
+       "make it smaller"},
+      {capsule + "y = -0.7\n",
+       "case.toml:4:5: body.a.y = -0.7: body \"a\" reaches 0.1 W into the wall at y = -1: move it "
+       "or make it smaller"},
+      {"[channel]\nnodes = 20\n" + capsule + "x = 0.5\n",
+       "case.toml:2:9: channel.nodes = 20: too few nodes across the gap between body \"a\" and the "
+       "wall at x = 1: 1.00 lattice spacings, at least 2 needed: raise channel.nodes to 40 or move "
+       "the body"},
+      {capsule + "z = 1.0\n[[body]]\nlaplace = 10\nz = 1.7\n",
+       "case.toml:5:1: body.body2: overlaps body \"a\": move one of them"},
+      {"[channel]\nnodes = 24\n" + capsule + "[[body]]\nlaplace = 10\nz = 0.85\n",
+       "case.toml:2:9: channel.nodes = 24: too few nodes across the gap between body \"a\" and "
+       "body \"body2\": 0.60 lattice spacings, at least 1 needed: raise channel.nodes to 40 or "
+       "move the body"},
+      {"[channel]\nlength = 1\n[[body]]\nname = \"a\"\nlaplace = 10\nradius = 0.6\n",
+       "case.toml:6:10: body.a.radius = 0.6: body \"a\" overlaps its own periodic image: make the "
+       "channel longer or the body smaller"},
+      {"[channel]\nnodes = 16\n" + capsule + "radius = 0.2\n",
+       "case.toml:2:9: channel.nodes = 16: too few nodes: the radius of body \"a\" is 1.6 lattice "
+       "spacings, at least 2 are needed: raise channel.nodes to 20"},
+      // no TOML at all
+      {"[channel\nnodes = 3\n", ""},
+      {"[channel]\nnodes = \n", ""},
+      {"[channel]\nnodes = 36\nnodes = 48\n", ""},
+      {"[channel]\n[channel]\n", ""},
+      {"\xff\xfe", ""},
+  };
+  const std::regex syntax_error(R"(case\.toml:\d+:\d+: not valid TOML: [^\n]+)");
+  for (const Wrong& wrong : table) {
+    const std::string message = refusal(wrong.text);
+    if (wrong.message.empty()) {
+      EXPECT_TRUE(std::regex_match(message, syntax_error)) << wrong.text << "gave: " << message;
+    } else {
+      EXPECT_EQ(message, wrong.message) << wrong.text;
+    }
+  }
+}
+
+TEST(Scenario, SyntaxErrorsNameTheLine) {
+  EXPECT_EQ(refusal("[channel]\nnodes = 36\nnodes = 48\n").substr(0, 12), "case.toml:3:");
+  EXPECT_EQ(refusal("[channel]\nnodes = 36\n\nwalls = \"half\n").substr(0, 12), "case.toml:4:");
+}
+
+TEST(Scenario, MistakesInOverridesAreCalledByTheirOption) {
+  struct Case {
+    Override override;
+    std::string message;
+  };
+  const std::vector<Case> table = {
+      {set("channel.nodes", "abc"),
+       "--set channel.nodes=abc: must be a whole number from 8 to 4096"},
+      {set("channel.nodes", ""), "--set channel.nodes=: must be a whole number from 8 to 4096"},
+      {set("channel.nodse", "48"), "--set channel.nodse=48: unknown key; did you mean \"nodes\"?"},
+      {set("chanel.nodes", "48"),
+       "--set chanel.nodes=48: unknown table; did you mean \"channel\"?"},
+      {set("body.lga.x", "0"),
+       "--set body.lga.x=0: there is no body \"lga\"; the bodies are: lead, lag"},
+      {set("body.lag", "0"),
+       "--set body.lag=0: the key must be TABLE.KEY, or body.NAME.KEY for a body of that name"},
+      {set("a.b.c", "0"),
+       "--set a.b.c=0: the key must be TABLE.KEY, or body.NAME.KEY for a body of that name"},
+      {set("body.lag.x", "0.8"),
+       "--set body.lag.x=0.8: body \"lag\" reaches 0.2 W into the wall at x = 1: move it or make "
+       "it smaller"},
+      {{"fluid.tau", "2", "--tau 2"},
+       "--tau 2: must be a number above 0.5 and at most 1 (at 1/2 the viscosity vanishes; above 1 "
+       "capsules drift to wrong places)"},
+      {set("channel.nodes", "48\nwalls = 3"),
+       "--set channel.nodes=48\nwalls = 3: must be a whole number from 8 to 4096"},
+  };
+  for (const Case& wrong : table)
+    EXPECT_EQ(refusal(pair_text, {wrong.override}), wrong.message) << wrong.override.origin;
+}
+
+TEST(Scenario, FilesThatCannotBeReadAreRefused) {
+  const auto refused = [](const std::filesystem::path& file) -> std::string {
+    try {
+      load_scenario(file);
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refused("no/such.toml"), "no/such.toml: cannot be read: No such file or directory");
+  EXPECT_EQ(refused("/"), "/: is a directory, not a scenario file");
+}
+
+// Whatever a slip of the keyboard makes of a valid file, it is understood or refused in one line.
+TEST(Scenario, AnyMutilatedFileIsUnderstoodOrRefusedInOneLine) {
+  const std::string valid = contents(scenario_dir / "quickstart.toml");
+  ASSERT_GT(valid.size(), 1000U);
+  ASSERT_EQ(refusal(valid), "");
+  const auto one_line = [](const std::string& message) {
+    if (message.rfind("case.toml:", 0) != 0 || message.size() > 700) return false;
+    for (const char c : message)
+      if (static_cast<unsigned char>(c) < 32 || c == 127) return false;
+    return true;
+  };
+  const std::string strange = std::string("\0\"'[]{}=#.,-+x9e\n\r\t\\\x7f\x80\xff", 24);
+  int understood = 0;
+  int refused = 0;
+  const auto examine = [&](const std::string& text, std::size_t at) {
+    const std::string message = refusal(text);
+    (message.empty() ? understood : refused) += 1;
+    ASSERT_TRUE(message.empty() || one_line(message)) << "byte " << at << ": " << message;
+  };
+  for (std::size_t i = 0; i < valid.size(); ++i) {
+    std::string text = valid;
+    text.erase(i, 1);
+    examine(text, i);
+    examine(valid.substr(0, i), i);
+    // Three of them at each byte, and over eight bytes all.
+    for (std::size_t j = 0; j < 3; ++j) {
+      const char c = strange[(3 * i + j) % strange.size()];
+      text = valid;
+      text[i] = c;
+      examine(text, i);
+      text = valid;
+      text.insert(i, 1, c);
+      examine(text, i);
+    }
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(understood, 1000);
+  EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace ductile::drivers
