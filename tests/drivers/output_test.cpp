@@ -1,0 +1,596 @@
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "errors.hpp"
+#include "plot.hpp"
+#include "progress.hpp"
+#include "run_directory.hpp"
+#include "summary.hpp"
+#include "surfaces.hpp"
+#include "trajectory.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Output : public ::testing::Test {
+ public:
+  ~Output() override {
+    std::error_code ignored;
+    fs::remove_all(directory_, ignored);
+  }
+
+ protected:
+  Output() {
+    std::string pattern = (fs::temp_directory_path() / "ductile-output-XXXXXX").string();
+    directory_ = mkdtemp(pattern.data());
+  }
+
+  static std::string read(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    EXPECT_TRUE(in) << file;
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(directory_ / name) << text;
+  }
+  /// Runs a Python program with `directory_` as its argument and returns what it prints.
+  [[nodiscard]] std::string python(const std::string& program) const {
+    write("program.py", program);
+    const std::string command = "/usr/bin/python3 " + (directory_ / "program.py").string() + " " +
+                                directory_.string() + " > " + (directory_ / "printed").string();
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return read(directory_ / "printed");
+  }
+
+  fs::path directory_;
+};
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+/// Numbers that no short decimal stands for.
+Sample awkward_sample(double time) {
+  Sample sample{time, std::vector<BodySample>(2)};
+  for (std::size_t b = 0; b < 2; ++b) {
+    BodySample& body = sample.bodies[b];
+    const auto s = static_cast<double>(b + 1) + time;
+    body.position = {std::sqrt(s), -std::cbrt(s), 1e3 * std::exp(s)};
+    body.velocity = {1e-17 * std::sin(s), std::nextafter(0.1, 1), 1 / (3 * s)};
+    body.capsule = b == 1;
+    body.deformation = std::numeric_limits<double>::denorm_min();
+    body.volume_error = -std::pow(s, -7);
+    body.strain_energy = 0.1 + 0.2;
+  }
+  return sample;
+}
+
+using TrajectoryFile = Output;
+
+TEST_F(TrajectoryFile, ReadsBackBitForBit) {
+  const fs::path file = directory_ / "trajectory.csv";
+  Trajectory trajectory(file, {"lead", "lag"});
+  std::vector<Sample> samples;
+  for (int i = 0; i < 20; ++i) {
+    samples.push_back(awkward_sample(i / 7.0));
+    trajectory.write(samples.back());
+    // Every line is in the file at once.
+    const auto lines = split(read(file), '\n');
+    ASSERT_EQ(lines.size(), samples.size() + 1);
+  }
+  const auto lines = split(read(file), '\n');
+  EXPECT_EQ(lines[0],
+            "t[W^2/nu],lead_x[W],lead_y[W],lead_z[W],lead_vx[nu/W],lead_vy[nu/W],lead_vz[nu/W],"
+            "lag_x[W],lag_y[W],lag_z[W],lag_vx[nu/W],lag_vy[nu/W],lag_vz[nu/W],dz[W],"
+            "lag_deformation[1],lag_volume_error[1],lag_strain_energy[k_s*a^2]");
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    std::vector<double> expected = {s.time};
+    for (const auto& body : s.bodies) {
+      expected.insert(expected.end(), body.position.begin(), body.position.end());
+      expected.insert(expected.end(), body.velocity.begin(), body.velocity.end());
+    }
+    expected.push_back(s.bodies[0].position.z() - s.bodies[1].position.z());
+    expected.push_back(s.bodies[1].deformation);
+    expected.push_back(s.bodies[1].volume_error);
+    expected.push_back(s.bodies[1].strain_energy);
+    const auto fields = split(lines[i + 1], ',');
+    ASSERT_EQ(fields.size(), expected.size());
+    for (std::size_t j = 0; j < fields.size(); ++j) {
+      EXPECT_EQ(std::strtod(fields[j].c_str(), nullptr), expected[j]) << "column " << j;
+    }
+  }
+}
+
+TEST_F(TrajectoryFile, HasNoDistanceUnlessOfAPair) {
+  Trajectory trajectory(directory_ / "t.csv", {"a"});
+  Sample sample{0, std::vector<BodySample>(1)};
+  trajectory.write(sample);
+  EXPECT_EQ(read(directory_ / "t.csv").find("dz"), std::string::npos);
+  sample.bodies.resize(2);
+  EXPECT_THROW(trajectory.write(sample), std::invalid_argument);
+}
+
+TEST_F(TrajectoryFile, RefusesWhatItCannotWrite) {
+  EXPECT_THROW(Trajectory(directory_ / "missing" / "t.csv", {"a"}), OutputError);
+  EXPECT_THROW(Trajectory(directory_ / "t.csv", {"a,b"}), std::invalid_argument);
+  Trajectory full("/dev/full", {"a"});
+  EXPECT_THROW(full.write({0, std::vector<BodySample>(1)}), OutputError);
+}
+
+/// An HDF5 file opened for reading through the library's own interface.
+class Hdf5 {
+ public:
+  explicit Hdf5(const fs::path& file) : file_(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)) {
+    EXPECT_GE(file_, 0);
+  }
+  ~Hdf5() { H5Fclose(file_); }
+  Hdf5(const Hdf5&) = delete;
+  Hdf5& operator=(const Hdf5&) = delete;
+
+  [[nodiscard]] bool has(const std::string& path) const {
+    return H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
+  }
+  [[nodiscard]] std::vector<hsize_t> shape(const std::string& path) const {
+    const hid_t dataset = H5Dopen2(file_, path.c_str(), H5P_DEFAULT);
+    EXPECT_GE(dataset, 0) << path;
+    const hid_t space = H5Dget_space(dataset);
+    std::vector<hsize_t> dims(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+    H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+    H5Sclose(space);
+    H5Dclose(dataset);
+    return dims;
+  }
+  template <typename T>
+  [[nodiscard]] std::vector<T> values(const std::string& path, hid_t type) const {
+    std::size_t count = 1;
+    for (const hsize_t n : shape(path)) count *= n;
+    std::vector<T> result(count);
+    const hid_t dataset = H5Dopen2(file_, path.c_str(), H5P_DEFAULT);
+    EXPECT_GE(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.data()), 0) << path;
+    H5Dclose(dataset);
+    return result;
+  }
+  [[nodiscard]] std::vector<double> doubles(const std::string& path) const {
+    return values<double>(path, H5T_NATIVE_DOUBLE);
+  }
+  [[nodiscard]] double number(const std::string& object, const char* name) const {
+    double value = 0;
+    const hid_t attribute = H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT);
+    EXPECT_GE(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), 0);
+    H5Aclose(attribute);
+    return value;
+  }
+  [[nodiscard]] std::string units(const std::string& object) const {
+    const hid_t attribute =
+        H5Aopen_by_name(file_, object.c_str(), "units", H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute);
+    std::string text(H5Tget_size(type), '\0');
+    EXPECT_GE(H5Aread(attribute, type, text.data()), 0);
+    H5Tclose(type);
+    H5Aclose(attribute);
+    return text;
+  }
+
+ private:
+  hid_t file_;
+};
+
+/// Two tetrahedra at unlike places, and a small fluid whose every number tells its node.
+class SurfaceFiles : public Output {
+ protected:
+  static constexpr std::array<std::size_t, 3> nodes = {2, 3, 4};
+
+  static std::vector<SurfaceMesh> meshes() {
+    return {{"lead", 4, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, {"lag", 3, {{0, 1, 2}}}};
+  }
+  static FluidLattice lattice() { return {nodes, {-1, -0.5, 0.25}, 0.125}; }
+  /// n vertices in a row along z from `z`, 0.1 apart.
+  static std::vector<double> row(std::size_t n, double z) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto s = static_cast<double>(i);
+      values.insert(values.end(), {0.2 + s, -0.3 * s, z + 0.1 * s});
+    }
+    return values;
+  }
+  static double value(std::size_t i, std::size_t j, std::size_t k, std::size_t component) {
+    return static_cast<double>(1000 * component + 100 * i + 10 * j + k);
+  }
+  static std::vector<double> field(std::size_t component) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < nodes[0]; ++i) {
+      for (std::size_t j = 0; j < nodes[1]; ++j) {
+        for (std::size_t k = 0; k < nodes[2]; ++k) values.push_back(value(i, j, k, component));
+      }
+    }
+    return values;
+  }
+
+  /// Three frames, the fluid in the first and the last.
+  void write_frames(Surfaces& surfaces) const {
+    const auto density = field(0);
+    const std::array velocity = {field(1), field(2), field(3)};
+    const FluidState fluid{density, {velocity[0], velocity[1], velocity[2]}};
+    for (int i = 0; i < 3; ++i) {
+      const double z = 11.9 + i;
+      const auto lead = row(4, z);
+      const auto lag = row(3, z - 1);
+      const auto speed = row(4, -5);
+      const std::vector<SurfaceState> state = {{lead, speed, {}}, {lag, {}, lag}};
+      surfaces.write(0.5 * i, state, i == 1 ? nullptr : &fluid);
+    }
+  }
+};
+
+TEST_F(SurfaceFiles, HoldWhatWasGiven) {
+  Surfaces surfaces(directory_, meshes(), 0, lattice());
+  write_frames(surfaces);
+  const Hdf5 file(directory_ / "run.h5");  // while the run goes on
+
+  EXPECT_EQ(file.shape("/bodies/lead/triangles"), (std::vector<hsize_t>{4, 3}));
+  EXPECT_EQ(file.values<int>("/bodies/lead/triangles", H5T_NATIVE_INT),
+            (std::vector<int>{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}));
+  for (int i = 0; i < 3; ++i) {
+    const std::string frame = "/frames/00000" + std::to_string(i);
+    EXPECT_EQ(file.number(frame, "time"), 0.5 * i);
+    EXPECT_EQ(file.doubles(frame + "/lead/position"), row(4, 11.9 + i));
+    EXPECT_EQ(file.doubles(frame + "/lead/velocity"), row(4, -5));
+    EXPECT_EQ(file.doubles(frame + "/lag/force"), row(3, 10.9 + i));
+    EXPECT_FALSE(file.has(frame + "/lag/velocity"));
+    EXPECT_EQ(file.units(frame + "/lead/position"), "W");
+    EXPECT_EQ(file.units(frame + "/lead/velocity"), "nu/W");
+    EXPECT_EQ(file.units(frame + "/lag/force"), "rho*nu^2");
+    EXPECT_EQ(file.has(frame + "/fluid"), i != 1);
+  }
+  const auto [nx, ny, nz] = nodes;
+  EXPECT_EQ(file.shape("/frames/000002/fluid/density"), (std::vector<hsize_t>{nz, ny, nx}));
+  EXPECT_EQ(file.shape("/frames/000002/fluid/velocity"), (std::vector<hsize_t>{nz, ny, nx, 3}));
+  const auto density = file.doubles("/frames/000002/fluid/density");
+  const auto velocity = file.doubles("/frames/000002/fluid/velocity");
+  for (std::size_t k = 0; k < nz; ++k) {
+    for (std::size_t j = 0; j < ny; ++j) {
+      for (std::size_t i = 0; i < nx; ++i) {
+        const std::size_t node = (k * ny + j) * nx + i;
+        EXPECT_EQ(density[node], value(i, j, k, 0));
+        for (std::size_t c = 0; c < 3; ++c) {
+          EXPECT_EQ(velocity[3 * node + c], value(i, j, k, c + 1));
+        }
+      }
+    }
+  }
+}
+
+TEST_F(SurfaceFiles, ComeBackIntoAPeriodicChannelTogether) {
+  Surfaces surfaces(directory_, meshes(), 12);
+  double time = 0;
+  for (const double z : {11.9, 12.1, -0.2, 200.0}) {
+    const auto lead = row(4, z - 0.15);  // its centre at z
+    const auto lag = row(3, z - 1);
+    surfaces.write(time, std::vector<SurfaceState>{{lead, {}, {}}, {lag, {}, {}}});
+    time += 1;
+  }
+  const Hdf5 file(directory_ / "run.h5");
+  const std::array expected = {0.0, 12.0, -12.0, 192.0};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const std::string frame = "/frames/00000" + std::to_string(i);
+    EXPECT_EQ(file.number(frame, "z_offset"), expected[i]);
+    const auto lead = file.doubles(frame + "/lead/position");
+    const double centre = (lead[2] + lead[5] + lead[8] + lead[11]) / 4;
+    EXPECT_GE(centre, 0);
+    EXPECT_LT(centre, 12);
+    EXPECT_NEAR(file.doubles(frame + "/lag/position")[2], lead[2] - 0.85, 1e-12);
+  }
+}
+
+// Parsed by an XML reader that is not ours; every reference must lead to a dataset of the shape and
+// type that the XDMF claims.
+TEST_F(SurfaceFiles, XdmfIsWellFormedAndDescribesExistingData) {
+  Surfaces surfaces(directory_, meshes(), 12, lattice());
+  write_frames(surfaces);
+  const std::string printed = python(R"(
+import sys, xml.etree.ElementTree as xml
+domain = xml.parse(sys.argv[1] + '/run.xdmf').getroot().find('Domain')
+for collection in domain:
+    assert collection.get('GridType') == 'Collection'
+    assert collection.get('CollectionType') == 'Temporal'
+    print('collection', collection.get('Name'), *(g.find('Time').get('Value') for g in collection))
+for item in domain.iter('DataItem'):
+    if item.get('Format') == 'HDF':
+        print('data', item.text, item.get('NumberType') + item.get('Precision'), item.get('Dimensions'))
+topology = domain.find(".//Topology[@TopologyType='3DCoRectMesh']")
+geometry = domain.find(".//Geometry[@GeometryType='ORIGIN_DXDYDZ']")
+print('lattice', topology.get('Dimensions'), '|', *(item.text for item in geometry))
+)");
+  const Hdf5 file(directory_ / "run.h5");
+  std::vector<std::string> others;
+  int datasets = 0;
+  for (const std::string& line : split(printed, '\n')) {
+    const auto words = split(line, ' ');
+    if (words[0] != "data") {
+      others.push_back(line);
+      continue;
+    }
+    ++datasets;
+    ASSERT_TRUE(words[1].starts_with("run.h5:/")) << words[1];  // relative
+    const std::string path = words[1].substr(words[1].find(':') + 1);
+    ASSERT_TRUE(file.has(path)) << path;
+    std::vector<hsize_t> claimed;
+    for (std::size_t i = 3; i < words.size(); ++i) claimed.push_back(std::stoull(words[i]));
+    EXPECT_EQ(file.shape(path), claimed) << path;
+    EXPECT_EQ(words[2], path.find("triangles") != std::string::npos ? "Int4"
+                        : path.find("fluid") != std::string::npos   ? "Float4"
+                                                                    : "Float8");
+  }
+  // Of 3 frames: 2 bodies with triangles and positions, velocity of one, force of the other; of 2
+  // frames density and velocity of the fluid.
+  EXPECT_EQ(datasets, 3 * 6 + 2 * 2);
+  EXPECT_EQ(others, (std::vector<std::string>{"collection lead 0 0.5 1", "collection lag 0 0.5 1",
+                                              "collection fluid 0 1",
+                                              "lattice 4 3 2 | 0.25 -0.5 -1 0.125 0.125 0.125"}));
+}
+
+TEST_F(SurfaceFiles, StayReadableWhenAFrameFails) {
+  Surfaces surfaces(directory_, meshes(), 0, lattice());
+  write_frames(surfaces);
+  const std::string before = read(directory_ / "run.xdmf");
+  fs::rename(directory_ / "run.h5", directory_ / "away.h5");
+  const auto lead = row(4, 0);
+  const auto lag = row(3, 0);
+  const std::vector<SurfaceState> state = {{lead, {}, {}}, {lag, {}, {}}};
+  try {
+    surfaces.write(9, state);
+    FAIL() << "wrote into a file that is not there";
+  } catch (const OutputError& error) {
+    EXPECT_NE(std::string(error.what()).find("run.h5"), std::string::npos);
+  }
+  EXPECT_EQ(read(directory_ / "run.xdmf"), before);
+}
+
+TEST_F(SurfaceFiles, RefuseWhatDoesNotFit) {
+  EXPECT_THROW(Surfaces(directory_, {{"a/b", 3, {}}}, 0), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {{"a", 3, {}}, {"a", 3, {}}}, 0), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {{"fluid", 3, {}}}, 0), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {{"a", 3, {{0, 1, 3}}}}, 0), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {}, 0, FluidLattice{{2, 0, 2}, {0, 0, 0}, 1}),
+               std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_ / "missing", meshes(), 0), OutputError);
+
+  Surfaces surfaces(directory_, meshes(), 0);
+  const auto lead = row(4, 0);
+  const auto lag = row(3, 0);
+  const std::vector<SurfaceState> state = {{lead, {}, {}}, {lag, {}, {}}};
+  surfaces.write(1, state);
+  EXPECT_THROW(surfaces.write(1, state), std::invalid_argument);
+  EXPECT_THROW(surfaces.write(2, std::vector<SurfaceState>{{lead, {}, {}}}), std::invalid_argument);
+  EXPECT_THROW(surfaces.write(2, std::vector<SurfaceState>{{lead, lag, {}}, {lag, {}, {}}}),
+               std::invalid_argument);
+  const FluidState fluid{};
+  EXPECT_THROW(surfaces.write(2, state, &fluid), std::invalid_argument);
+}
+
+using Directory = Output;
+
+TEST_F(Directory, IsCreatedWithItsParents) {
+  const RunDirectory run(directory_ / "a" / "b", false);
+  run.write_scenario("nodes = 36\n");
+  EXPECT_EQ(read(directory_ / "a" / "b" / "scenario.toml"), "nodes = 36\n");
+}
+
+TEST_F(Directory, MayExistIfEmpty) {
+  EXPECT_NO_THROW(RunDirectory(directory_, false));
+}
+
+TEST_F(Directory, IsRefusedIfNotEmpty) {
+  write("notes.txt", "mine");
+  EXPECT_THROW(RunDirectory(directory_, false), InputError);
+  EXPECT_EQ(read(directory_ / "notes.txt"), "mine");
+  EXPECT_THROW(RunDirectory(directory_ / "notes.txt", true), InputError);
+}
+
+TEST_F(Directory, LosesOnlyItsOwnResultsToForce) {
+  for (const char* name : {"scenario.toml", "trajectory.csv", "run.h5", "run.xdmf", "summary.json",
+                           "trajectory.png", "run.xdmf.part", "notes.txt", "my-trajectory.csv"}) {
+    write(name, "old");
+  }
+  const RunDirectory run(directory_, true);
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(directory_)) {
+    left.push_back(entry.path().filename());
+  }
+  std::ranges::sort(left);
+  EXPECT_EQ(left, (std::vector<std::string>{"my-trajectory.csv", "notes.txt"}));
+}
+
+TEST_F(Directory, ReplacesFilesWholeOrNotAtAll) {
+  const fs::path file = directory_ / "summary.json";
+  write_atomically(file, "one");
+  write_atomically(file, "two");
+  EXPECT_EQ(read(file), "two");
+  EXPECT_FALSE(fs::exists(file.string() + ".part"));
+  fs::create_directory(directory_ / "summary.json.part");  // in the way of the next one
+  EXPECT_THROW(write_atomically(file, "three"), OutputError);
+  EXPECT_EQ(read(file), "two");
+}
+
+class SummaryFile : public Output {
+ protected:
+  static Summary full() {
+    Summary s;
+    s.scenario = "M2 \"x_lag = 0\" \\ tab\t line\n \u00b5";
+    s.status = RunStatus::blew_up;
+    s.blow_up = BlowUp{123456789012, "lag", 17, "speed 0.7 exceeds 0.3"};
+    s.time = 0.1 + 0.2;
+    s.steps = 123456789012;
+    s.verdict = Verdict{PairClass::damped, 47, "dz rests at 1.2"};
+    s.dz = std::sqrt(2.0);
+    BodySummary lead{"lead", {0.1, -0.0, 1e300}, {0, 1.0 / 3, std::nan("")}, {}, {}};
+    lead.lateral = Outlook{Outlook::State::resting, 0.3, 1e-4, 0.3, 0, true};
+    BodySummary lag = lead;
+    lag.name = "lag";
+    lag.lateral.reset();
+    lag.capsule = CapsuleSummary{75000, 0.002, 0.1, 0.0018,
+                                 Outlook{Outlook::State::moving, 0.0018, 1e-3, 0.0018, 0, false}};
+    s.bodies = {lead, lag};
+    s.warnings = {"strain energy of lag has not settled"};
+    s.wall_time = 61.5;
+    s.updates_per_second = 6.02e7;
+    s.ranks = 2;
+    s.versions = {{"ductile", "0.1.0"}, {"PETSc", "3.18.5"}};
+    return s;
+  }
+};
+
+TEST_F(SummaryFile, IsJsonWithEveryNumberIntact) {
+  write_summary(directory_ / "summary.json", full());
+  EXPECT_EQ(python(R"(
+import json, math, sys
+s = json.load(open(sys.argv[1] + '/summary.json', encoding='utf-8'))
+lead, lag = s['bodies']
+assert s['scenario'] == 'M2 "x_lag = 0" \\ tab\t line\n \u00b5', s['scenario']
+assert s['status'] == 'blew up'
+assert s['blow_up'] == {'step': 123456789012, 'body': 'lag', 'vertex': 17,
+                        'reason': 'speed 0.7 exceeds 0.3'}
+assert s['time_W2_over_nu'] == 0.1 + 0.2 and s['steps'] == 123456789012
+assert (s['verdict'], s['verdict_time'], s['verdict_reason']) == ('damped', 47, 'dz rests at 1.2')
+assert s['dz_W'] == math.sqrt(2)
+assert lead['name'] == 'lead' and lead['position_W'] == [0.1, 0, 1e300]
+assert lead['velocity_nu_over_W'] == [0, 1/3, None]
+assert lead['x_settled'] is True and lead['x_limit_W'] == 0.3 and lead['x_rate_nu_over_W'] == 1e-4
+assert 'k_v_rho_nu2_over_W2' not in lead
+assert lag['x_settled'] is None and lag['x_limit_W'] is None
+assert lag['k_v_rho_nu2_over_W2'] == 75000 and lag['volume_error_max'] == 0.002
+assert lag['strain_energy_settled'] is False and lag['strain_energy_over_ks_a2'] == 0.0018
+assert s['warnings'] == ['strain energy of lag has not settled']
+assert (s['wall_time_s'], s['updates_per_second'], s['ranks']) == (61.5, 6.02e7, 2)
+assert s['versions'] == {'ductile': '0.1.0', 'PETSc': '3.18.5'}
+print('as written')
+)"),
+            "as written\n");
+}
+
+TEST_F(SummaryFile, OfASingleBodyHasNoVerdict) {
+  Summary s;
+  s.bodies = {BodySummary{"particle", {0, 0, 0}, {0, 0, 0}, {}, {}}};
+  write_summary(directory_ / "summary.json", s);
+  EXPECT_EQ(python(R"(
+import json, sys
+s = json.load(open(sys.argv[1] + '/summary.json', encoding='utf-8'))
+print(s['status'], 'verdict' in s, 'dz_W' in s, 'blow_up' in s, s['warnings'], len(s['bodies']))
+)"),
+            "finished False False False [] 1\n");
+}
+
+class ProgressLine : public Output {
+ public:
+  ~ProgressLine() override { std::fclose(out_); }
+
+ protected:
+  ProgressLine() : out_(std::fopen((directory_ / "progress").c_str(), "wb")) {}
+
+  /// 200 steps a second of 1000 nodes each, 0.005 units of time a second, for `seconds`.
+  std::string run(bool terminal, int seconds) {
+    double clock = 50;
+    Progress progress(10, 1000, out_, terminal, [&] { return clock; });
+    progress.note("dz 1.23");
+    for (int step = 0; step <= 200 * seconds; ++step) {
+      clock = 50 + step / 200.0;
+      progress.update(step * 25e-6, step);
+    }
+    progress.finish();
+    return read(directory_ / "progress");
+  }
+
+  std::FILE* out_;
+};
+
+TEST_F(ProgressLine, IsPlainLinesAtGrowingIntervalsOffATerminal) {
+  const auto lines = split(run(false, 400), '\n');
+  // After 10, 10 + 20, + 40, + 80, + 160 seconds, and at the end.
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_EQ(lines[0], "t = 0.05 of 10    0%  0.2 MLUPS  33 min 10 s left  dz 1.23");
+  EXPECT_EQ(lines[4], "t = 1.55 of 10   15%  0.2 MLUPS  28 min 10 s left  dz 1.23");
+  EXPECT_EQ(lines[5], "t = 2.00 of 10   20%  0.2 MLUPS  26 min 40 s left  dz 1.23");
+}
+
+TEST_F(ProgressLine, IsRewrittenInPlaceOnATerminal) {
+  const std::string text = run(true, 4);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 1);
+  EXPECT_EQ(text.back(), '\n');
+  EXPECT_EQ(std::ranges::count(text, '\r'), 16);  // four a second
+}
+
+TEST(Duration, ReadsWell) {
+  EXPECT_EQ(duration_text(7.6), "8 s");
+  EXPECT_EQ(duration_text(59.6), "1 min 00 s");
+  EXPECT_EQ(duration_text(200), "3 min 20 s");
+  EXPECT_EQ(duration_text(7500), "2 h 05 min");
+}
+
+class Plot : public Output {
+ protected:
+  void write_trajectory(std::size_t bodies, bool capsules) const {
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < bodies; ++b) names.push_back("body" + std::to_string(b));
+    Trajectory trajectory(directory_ / "trajectory.csv", names);
+    for (int i = 0; i <= 20; ++i) {
+      Sample sample{0.5 * i, std::vector<BodySample>(bodies)};
+      for (std::size_t b = 0; b < bodies; ++b) {
+        sample.bodies[b].position = {0.1 * static_cast<double>(b) + 0.01 * i, 0, 0.1 * i};
+        sample.bodies[b].capsule = capsules;
+      }
+      trajectory.write(sample);
+    }
+  }
+  [[nodiscard]] bool is_png() const {
+    return read(directory_ / "trajectory.png").starts_with("\x89PNG\r\n");
+  }
+};
+
+TEST_F(Plot, IsDrawnOfOneAndOfThreeBodies) {
+  for (const std::size_t bodies : {1U, 3U}) {
+    write_trajectory(bodies, bodies != 3);
+    EXPECT_TRUE(plot_trajectory(directory_)) << bodies;
+    EXPECT_TRUE(is_png());
+    fs::remove(directory_ / "trajectory.png");
+  }
+}
+
+TEST_F(Plot, IsDrawnOfAPairThatDied) {
+  write_trajectory(2, true);
+  std::ofstream(directory_ / "trajectory.csv", std::ios::app) << "10.5,0.2,nan,0.";
+  write("summary.json", "{\"status\": \"blew");
+  EXPECT_TRUE(plot_trajectory(directory_));
+  EXPECT_TRUE(is_png());
+}
+
+TEST_F(Plot, WarnsInOneLineWhereItCannot) {
+  ::testing::internal::CaptureStderr();
+  EXPECT_FALSE(plot_trajectory(directory_));
+  const std::string printed = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::ranges::count(printed, '\n'), 1) << printed;
+  EXPECT_TRUE(printed.starts_with("warning: no trajectory.png: ")) << printed;
+  EXPECT_NE(printed.find("trajectory.csv"), std::string::npos) << printed;
+}
+
+}  // namespace
+}  // namespace ductile::drivers
