@@ -276,6 +276,10 @@ void Coupler::Impl::lay_out() {
           box[axis].end = std::min(box[axis].end, domain[axis].end);
         } else if (box[axis].size() > period_) {
           fail(host, "the body is longer than the periodic channel; use a longer channel");
+        } else {
+          box[axis].end =
+              std::min(box[axis].begin + (box[axis].size() + 7) / 8 * 8,  // whole vectors
+                       box[axis].begin + period_);
         }
       }
     }

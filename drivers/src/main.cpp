@@ -14,6 +14,7 @@
 #include "check.hpp"
 #include "command_line.hpp"
 #include "errors.hpp"
+#include "plot.hpp"
 #include "scenario.hpp"
 #include "simulation.hpp"
 #include "units.hpp"
@@ -76,8 +77,8 @@ Decision decide(const std::vector<std::string>& arguments) {
   return decision;
 }
 
-/// Collective.
-int run_program(const std::vector<std::string>& arguments, MPI_Comm comm) {
+/// Collective. `finished` is set on rank 0 to the directory of a run that has left results.
+int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, std::string& finished) {
   int rank = 0;
   require(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
   Decision decision;
@@ -90,7 +91,11 @@ int run_program(const std::vector<std::string>& arguments, MPI_Comm comm) {
   // All ranks, the first too, run the resolved text: what is in the run directory is what was run.
   const Scenario scenario = parse_scenario(decision.scenario, "scenario.toml");
   const RunOptions options{decision.directory, decision.scenario, flags[2] != 0};
-  return run_simulation(scenario, lattice_setup(scenario), options, comm);
+  const int exit_code = run_simulation(scenario, lattice_setup(scenario), options, comm);
+  if (rank == 0 && (exit_code == exit_success || exit_code == exit_blow_up)) {
+    finished = decision.directory;
+  }
+  return exit_code;
 }
 
 }  // namespace
@@ -104,13 +109,16 @@ int main(int argc, char** argv) {
   char** petsc_argv = petsc_arguments.data();
   if (PetscInitialize(&petsc_count, &petsc_argv, nullptr, nullptr) != 0) return exit_failure;
   int exit_code = exit_failure;
+  std::string finished;
   try {
-    exit_code = run_program({argv + 1, argv + argc}, PETSC_COMM_WORLD);
+    exit_code = run_program({argv + 1, argv + argc}, PETSC_COMM_WORLD, finished);
   } catch (const std::exception& error) {
     // The other ranks may be waiting for this one.
     std::fprintf(stderr, "ductile: %s\n", error.what());
     MPI_Abort(PETSC_COMM_WORLD, exit_failure);
   }
   if (PetscFinalize() != 0) return exit_failure;
+  // Starting a process is safe only now that MPI is down.
+  if (!finished.empty()) plot_trajectory(finished);
   return exit_code;
 }

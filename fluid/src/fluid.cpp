@@ -240,6 +240,8 @@ class Populations final : public FluidImpl {
         stride_(round_up(static_cast<std::ptrdiff_t>(nx_) * ny_ * pitch_) / line_ | 1),
         storage_(static_cast<std::size_t>(Q * stride_ * line_)) {
     stride_ *= line_;
+    list_ghosts();
+    for (auto& column : column_force_) column.resize(static_cast<std::size_t>(planes_));
   }
 
   void initialise(const std::function<NodeState(int, int, int)>& state) override;
@@ -286,8 +288,7 @@ class Populations final : public FluidImpl {
   void return_ghosts();
   void exchange(bool back);
   void reflect(int side, bool back);
-  template <class F>
-  void for_ghosts(int side, const F& f);
+  void list_ghosts();
 
   int nx_;
   int ny_;
@@ -296,6 +297,13 @@ class Populations final : public FluidImpl {
   std::ptrdiff_t stride_;
   Storage_<Real> storage_;
   bool ghosts_ready_ = false;
+  // Offsets in storage_, at plane 0: of the population, and of that which a wall would reflect.
+  struct Ghost {
+    std::ptrdiff_t population;
+    std::ptrdiff_t reflected;
+  };
+  std::array<std::vector<Ghost>, 2> ghosts_;
+  std::array<std::vector<double>, 3> column_force_;
   std::array<std::vector<Real>, 2> outgoing_;
   std::array<std::vector<Real>, 2> incoming_;
 };
@@ -352,28 +360,21 @@ void Populations<Real>::collide_column(int x, int y) {
     collide_wall(populations, 0, planes_, relaxation_, force, wall);
     return;
   }
-  // The stretches inside a patch see its force; patches are disjoint.
-  int done = 0;
-  while (done < planes_) {
-    const Patch* next = nullptr;
-    for (const Patch& patch : patches_) {
-      if (x < patch.begin[0] || x >= patch.begin[0] + patch.size[0] || y < patch.begin[1] ||
-          y >= patch.begin[1] + patch.size[1] || patch.begin[2] - slab_.begin < done) {
-        continue;
-      }
-      if (next == nullptr || patch.begin[2] < next->begin[2]) next = &patch;
-    }
-    const int begin = next == nullptr ? planes_ : next->begin[2] - slab_.begin;
-    force.local = {nullptr, nullptr, nullptr};
-    if (begin > done) collide(populations, done, begin, relaxation_, force);
-    if (next == nullptr) break;
-    const std::ptrdiff_t origin = next->at(x - next->begin[0], y - next->begin[1], 0) - begin;
+  // One pass over the whole column: where patches meet it, their forces are laid side by side.
+  for (const Patch& patch : patches_) {
+    const int i = x - patch.begin[0];
+    const int j = y - patch.begin[1];
+    if (i < 0 || i >= patch.size[0] || j < 0 || j >= patch.size[1]) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      force.local[axis] = next->force[axis].data() + origin;
+      std::vector<double>& column = column_force_[axis];
+      if (force.local[axis] == nullptr) std::fill(column.begin(), column.end(), 0.0);
+      force.local[axis] = column.data();
+      const double* from = &patch.force[axis][static_cast<std::size_t>(patch.at(i, j, 0))];
+      std::copy(from, from + patch.size[2],
+                &column[static_cast<std::size_t>(patch.begin[2] - slab_.begin)]);
     }
-    done = begin + next->size[2];
-    collide(populations, begin, done, relaxation_, force);
   }
+  collide(populations, 0, planes_, relaxation_, force);
 }
 
 // Half-way bounce-back off a wall that moves with u_w: f_(-i) = f_i* - 6 w_i rho0 c_i.u_w, added
@@ -433,21 +434,23 @@ void Populations<Real>::step() {
 }
 
 // In the odd state the nodes at the ends of a slab use populations of the planes beyond: those of
-// array i with c_i pointing there. They are fetched before, and returned after the step. f is
-// called with i and the column (x, y) that holds the population, for each one that a node of this
-// slab uses: those whose origin, one c_i back, is a node.
+// array i with c_i pointing there. They are fetched before, and returned after the step. Listed
+// here is each one that a node of this slab uses: array i at the column one c_i on from that of a
+// node.
 template <class Real>
-template <class F>
-void Populations<Real>::for_ghosts(int side, const F& f) {
-  const int direction = side == 0 ? -1 : 1;
-  for (int i = 1; i < Q; ++i) {
-    const auto v = c(i);
-    if (v[2] != direction) continue;
-    for (int x = 0; x < nx_; ++x) {
-      for (int y = 0; y < ny_; ++y) {
-        int xo = x;
-        int yo = y;
-        if (neighbour(xo, yo, -v[0], -v[1])) f(i, x, y, xo, yo);
+void Populations<Real>::list_ghosts() {
+  for (int side = 0; side < 2; ++side) {
+    for (int i = 1; i < Q; ++i) {
+      const auto v = c(i);
+      if (v[2] != (side == 0 ? -1 : 1)) continue;
+      for (int x = 0; x < nx_; ++x) {
+        for (int y = 0; y < ny_; ++y) {
+          int xn = x;
+          int yn = y;
+          if (!neighbour(xn, yn, v[0], v[1])) continue;
+          ghosts_[static_cast<std::size_t>(side)].push_back(
+              {at(i, xn, yn) - storage_.data(), at(opposite(i), x, y) - storage_.data()});
+        }
       }
     }
   }
@@ -466,14 +469,14 @@ void Populations<Real>::exchange(bool back) {
   // gives to its lower neighbour are the populations of its plane 0 that move up.
   for (int side = 0; side < 2; ++side) {
     const auto s = static_cast<std::size_t>(side);
-    const int moving = back ? side : 1 - side;  // which populations cross to that side's neighbour
+    // The populations that cross to that side's neighbour move its way; returned, they go back.
+    const std::size_t moving = back ? s : 1 - s;
     const int own = side == 0 ? 0 : planes_ - 1;
     const int ghost = side == 0 ? -1 : planes_;
+    const Real* plane = storage_.data() + (back ? ghost : own);
     outgoing_[s].clear();
-    for_ghosts(moving, [&](int i, int x, int y, int, int) {
-      outgoing_[s].push_back(at(i, x, y)[back ? ghost : own]);
-    });
-    incoming_[s].resize(outgoing_[s].size());
+    for (const Ghost& g : ghosts_[moving]) outgoing_[s].push_back(plane[g.population]);
+    incoming_[s].resize(ghosts_[1 - moving].size());
   }
   const auto bytes = [](const std::vector<Real>& v) {
     return static_cast<int>(v.size() * sizeof(Real));
@@ -492,13 +495,12 @@ void Populations<Real>::exchange(bool back) {
   for (int side = 0; side < 2; ++side) {
     const auto s = static_cast<std::size_t>(side);
     if (peer[s] == MPI_PROC_NULL) continue;
-    const int moving = back ? 1 - side : side;
+    const std::size_t moving = back ? 1 - s : s;
     const int own = side == 0 ? 0 : planes_ - 1;
     const int ghost = side == 0 ? -1 : planes_;
+    Real* plane = storage_.data() + (back ? own : ghost);
     std::size_t n = 0;
-    for_ghosts(moving, [&](int i, int x, int y, int, int) {
-      at(i, x, y)[back ? own : ghost] = incoming_[s][n++];
-    });
+    for (const Ghost& g : ghosts_[moving]) plane[g.population] = incoming_[s][n++];
   }
 }
 
@@ -507,15 +509,15 @@ template <class Real>
 void Populations<Real>::reflect(int side, bool back) {
   const int own = side == 0 ? 0 : planes_ - 1;
   const int ghost = side == 0 ? -1 : planes_;
-  for_ghosts(side, [&](int i, int x, int y, int xo, int yo) {
-    Real& reflected = at(opposite(i), xo, yo)[own];
-    Real& beyond = at(i, x, y)[ghost];
+  for (const Ghost& g : ghosts_[static_cast<std::size_t>(side)]) {
+    Real& reflected = storage_.data()[g.reflected + own];
+    Real& beyond = storage_.data()[g.population + ghost];
     if (back) {
       reflected = beyond;
     } else {
       beyond = reflected;
     }
-  });
+  }
 }
 
 template <class Real>

@@ -1,0 +1,36 @@
+// Capsules and rigid bodies as the coupler sees them, and what they show to the outside.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ductile/coupling/body.hpp"
+#include "sample.hpp"
+#include "scenario.hpp"
+#include "units.hpp"
+
+namespace ductile::drivers {
+
+/// A body in the fluid, on the rank that owns it. An adapter: the membrane and rigid libraries know
+/// nothing of the coupling, nor of each other.
+class ImmersedBody : public coupling::Body {
+ public:
+  /// Its state in the paper's units.
+  [[nodiscard]] virtual BodySample sample() const = 0;
+  /// Velocity of the markers in the latest step, and their force on the fluid where the body knows
+  /// it (else empty); lattice units.
+  [[nodiscard]] virtual std::span<const double> velocities() const = 0;
+  [[nodiscard]] virtual std::span<const double> forces() const = 0;
+};
+
+/// Body number `index` of the scenario. `setup` must outlive it.
+std::unique_ptr<ImmersedBody> make_body(const Scenario& scenario, const LatticeSetup& setup,
+                                        std::size_t index);
+
+/// The triangles of its surface; its markers are the vertices.
+std::vector<std::array<int, 3>> surface_triangles(const Scenario& scenario,
+                                                  const LatticeSetup& setup, std::size_t index);
+
+}  // namespace ductile::drivers

@@ -1,0 +1,580 @@
+#include "simulation.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "bodies.hpp"
+#include "ductile/coupling/coupler.hpp"
+#include "ductile/fluid/duct.hpp"
+#include "errors.hpp"
+#include "progress.hpp"
+#include "run_directory.hpp"
+#include "summary.hpp"
+#include "surfaces.hpp"
+#include "trajectory.hpp"
+#include "verdict.hpp"
+#include "version.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+extern "C" void request_stop(int /*signal*/) {
+  stop_requested = 1;
+}
+
+void check(int code, const char* call) {
+  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + call + " failed");
+}
+
+constexpr std::int64_t finite_interval = 256;  // steps between two looks at the whole fluid
+
+// Why the loop goes on or ends; the largest of all ranks' counts.
+enum Signal : int {
+  go_on,
+  interrupted,
+  decided,
+  too_far,
+  failed_output,
+};
+
+// The files and judgements of a run, on rank 0.
+class Recorder {
+ public:
+  Recorder(const Scenario& scenario, const LatticeSetup& setup, const RunOptions& options)
+      : scenario_(scenario),
+        setup_(setup),
+        directory_(options.directory, options.force),
+        trajectory_(directory_.trajectory(), names(scenario)),
+        judge_(scenario.run.stop_distance),
+        volume_error_(scenario.bodies.size(), 0.0) {
+    directory_.write_scenario(options.scenario_text);
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+      lateral_.emplace_back(rules::lateral);
+      strain_.emplace_back(rules::strain);
+    }
+    const OutputOptions& output = scenario.output;
+    if (output.surfaces_every == 0 && output.field_every == 0) return;
+    std::vector<SurfaceMesh> meshes;
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+      SurfaceMesh mesh{scenario.bodies[b].name, 0, surface_triangles(scenario, setup, b)};
+      mesh.vertices = mesh.triangles.size() / 2 + 2;  // Euler: a closed surface
+      meshes.push_back(std::move(mesh));
+    }
+    std::optional<FluidLattice> lattice;
+    if (output.field_every > 0) {
+      lattice.emplace();
+      for (std::size_t a = 0; a < 3; ++a) {
+        lattice->nodes[a] = static_cast<std::size_t>(setup.nodes[a]);
+      }
+      lattice->origin = setup.position(Eigen::Vector3d::Zero());
+      lattice->spacing = 1 / setup.half_width;
+    }
+    surfaces_.emplace(directory_.path(), std::move(meshes), setup.length / setup.half_width,
+                      lattice);
+  }
+
+  [[nodiscard]] bool pair() const { return scenario_.bodies.size() == 2; }
+  [[nodiscard]] const std::filesystem::path& directory() const { return directory_.path(); }
+  [[nodiscard]] const Sample& last() const { return last_; }
+  [[nodiscard]] Surfaces& surfaces() { return *surfaces_; }
+
+  // Takes a sample; says whether the run may end.
+  Signal take(const Sample& sample) {
+    last_ = sample;
+    trajectory_.write(sample);
+    for (std::size_t b = 0; b < sample.bodies.size(); ++b) {
+      const BodySample& body = sample.bodies[b];
+      lateral_[b].update(sample.time, body.position.x());
+      if (!body.capsule) continue;
+      strain_[b].update(sample.time, body.strain_energy);
+      volume_error_[b] = std::max(volume_error_[b], std::abs(body.volume_error));
+    }
+    if (!pair()) return go_on;
+    judge_.update(sample);
+    if (std::abs(axial_distance(sample)) >= scenario_.run.stop_distance) return too_far;
+    return judge_.verdict().decided() && scenario_.run.until_decided ? decided : go_on;
+  }
+
+  Summary summarise(RunStatus status) const {
+    Summary summary;
+    summary.scenario = scenario_.name;
+    summary.status = status;
+    if (pair()) {
+      summary.verdict = judge_.verdict();
+      summary.dz = axial_distance(last_);
+    }
+    for (std::size_t b = 0; b < last_.bodies.size(); ++b) {
+      const BodySample& sample = last_.bodies[b];
+      const BodyOptions& options = scenario_.bodies[b];
+      BodySummary body;
+      body.name = options.name;
+      body.position = sample.position;
+      body.velocity = sample.velocity;
+      body.lateral = lateral_[b].outlook();
+      if (sample.capsule) {
+        CapsuleSummary capsule;
+        capsule.k_v = options.membrane.volume_modulus;
+        capsule.volume_error_max = volume_error_[b];
+        capsule.deformation = sample.deformation;
+        capsule.strain_energy = sample.strain_energy;
+        capsule.strain = strain_[b].outlook();
+        if (capsule.volume_error_max > 0.01) {
+          summary.warnings.push_back("the volume of " + options.name +
+                                     " changed by more than 1%; raise volume_modulus");
+        }
+        if (capsule.strain && !capsule.strain->settled) {
+          summary.warnings.push_back("the strain energy of " + options.name +
+                                     " has not settled; see doc/equations.md on the mobility");
+        }
+        body.capsule = capsule;
+      }
+      summary.bodies.push_back(std::move(body));
+    }
+    return summary;
+  }
+  void write(const Summary& summary) const { write_summary(directory_.summary(), summary); }
+
+ private:
+  static std::vector<std::string> names(const Scenario& scenario) {
+    std::vector<std::string> list;
+    for (const BodyOptions& body : scenario.bodies) list.push_back(body.name);
+    return list;
+  }
+
+  const Scenario& scenario_;
+  const LatticeSetup& setup_;
+  RunDirectory directory_;
+  Trajectory trajectory_;
+  PairJudge judge_;
+  std::vector<SettlingWatch> lateral_;
+  std::vector<SettlingWatch> strain_;
+  std::vector<double> volume_error_;
+  std::optional<Surfaces> surfaces_;
+  Sample last_;
+};
+
+// All of a run on one rank; rank 0 has the recorder too.
+class Simulation {
+ public:
+  Simulation(const Scenario& scenario, const LatticeSetup& setup, MPI_Comm comm)
+      : scenario_(scenario),
+        setup_(setup),
+        comm_(comm),
+        rank_(rank_of(comm)),
+        ranks_(size_of(comm)),
+        fluid_(make_fluid(scenario, setup, comm)) {
+    std::vector<coupling::Member> members;
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+      if (owner(b) != rank_) continue;
+      bodies_.push_back({b, make_body(scenario, setup, b)});
+      members.push_back({static_cast<int>(b), bodies_.back().body.get()});
+    }
+    coupler_.emplace(fluid_, std::move(members), static_cast<int>(scenario.bodies.size()));
+  }
+
+  int run(const RunOptions& options);
+
+ private:
+  struct Owned {
+    std::size_t index;
+    std::unique_ptr<ImmersedBody> body;
+  };
+
+  static int rank_of(MPI_Comm comm) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    return rank;
+  }
+  static int size_of(MPI_Comm comm) {
+    int size = 1;
+    MPI_Comm_size(comm, &size);
+    return size;
+  }
+  [[nodiscard]] int owner(std::size_t body) const {
+    return static_cast<int>(body % static_cast<std::size_t>(ranks_));
+  }
+  [[nodiscard]] const ImmersedBody* own(std::size_t body) const {
+    for (const Owned& owned : bodies_) {
+      if (owned.index == body) return owned.body.get();
+    }
+    return nullptr;
+  }
+  [[nodiscard]] double time() const { return setup_.time(fluid_.time()); }
+
+  // Rank 0 does the work, which may fail; every rank learns the outcome.
+  Signal on_root(const std::function<Signal()>& work);
+  std::vector<double> fetch(std::size_t body, std::span<const double> values);
+  Sample sample();
+  void write_frame(bool with_fluid);
+  Signal record(std::int64_t step);
+  void check_fluid();
+  int finish(RunStatus status, std::optional<BlowUp> blow_up, double wall_time);
+
+  const Scenario& scenario_;
+  const LatticeSetup& setup_;
+  MPI_Comm comm_;
+  int rank_;
+  int ranks_;
+  fluid::Fluid fluid_;
+  std::vector<Owned> bodies_;
+  std::optional<coupling::Coupler> coupler_;
+  std::optional<Recorder> recorder_;
+  std::optional<Progress> progress_;
+};
+
+Signal Simulation::on_root(const std::function<Signal()>& work) {
+  int signal = go_on;
+  if (rank_ == 0) {
+    try {
+      signal = work();
+    } catch (const std::exception& error) {
+      if (progress_) progress_->finish();
+      std::fprintf(stderr, "ductile: %s\n", error.what());
+      signal = failed_output;
+    }
+  }
+  check(MPI_Bcast(&signal, 1, MPI_INT, 0, comm_), "MPI_Bcast");
+  return static_cast<Signal>(signal);
+}
+
+// `values` of the body's owner, on rank 0.
+std::vector<double> Simulation::fetch(std::size_t body, std::span<const double> values) {
+  std::vector<double> result(values.begin(), values.end());
+  const int from = owner(body);
+  if (from == 0) return result;
+  const int tag = static_cast<int>(body);
+  if (rank_ == from) {
+    check(MPI_Send(result.data(), static_cast<int>(result.size()), MPI_DOUBLE, 0, tag, comm_),
+          "MPI_Send");
+  } else if (rank_ == 0) {
+    MPI_Status status;
+    int count = 0;
+    check(MPI_Probe(from, tag, comm_, &status), "MPI_Probe");
+    check(MPI_Get_count(&status, MPI_DOUBLE, &count), "MPI_Get_count");
+    result.resize(static_cast<std::size_t>(count));
+    check(MPI_Recv(result.data(), count, MPI_DOUBLE, from, tag, comm_, MPI_STATUS_IGNORE),
+          "MPI_Recv");
+  }
+  return result;
+}
+
+// All bodies, on rank 0.
+Sample Simulation::sample() {
+  Sample sample;
+  sample.time = time();
+  for (std::size_t b = 0; b < scenario_.bodies.size(); ++b) {
+    std::vector<double> values;
+    if (const ImmersedBody* body = own(b)) {
+      const BodySample s = body->sample();
+      values = {s.position.x(),  s.position.y(),       s.position.z(), s.velocity.x(),
+                s.velocity.y(),  s.velocity.z(),       s.deformation,  s.volume_error,
+                s.strain_energy, s.capsule ? 1.0 : 0.0};
+    }
+    values = fetch(b, values);
+    if (rank_ != 0) continue;
+    BodySample s;
+    s.position = {values[0], values[1], values[2]};
+    s.velocity = {values[3], values[4], values[5]};
+    s.deformation = values[6];
+    s.volume_error = values[7];
+    s.strain_energy = values[8];
+    s.capsule = values[9] != 0;
+    sample.bodies.push_back(s);
+  }
+  return sample;
+}
+
+void Simulation::write_frame(bool with_fluid) {
+  std::vector<std::array<std::vector<double>, 3>> arrays;
+  const double velocity_unit = setup_.velocity(Eigen::Vector3d::UnitX()).x();
+  const double force_unit = 1 / (setup_.nu * setup_.nu);
+  for (std::size_t b = 0; b < scenario_.bodies.size(); ++b) {
+    const ImmersedBody* body = own(b);
+    const auto get = [&](auto member) {
+      return fetch(b, body != nullptr ? (body->*member)() : std::span<const double>());
+    };
+    arrays.push_back({get(&ImmersedBody::positions), get(&ImmersedBody::velocities),
+                      get(&ImmersedBody::forces)});
+    auto& [x, u, f] = arrays.back();
+    for (std::size_t n = 0; n + 2 < x.size(); n += 3) {
+      const Eigen::Vector3d p = setup_.position({x[n], x[n + 1], x[n + 2]});
+      std::copy(p.data(), p.data() + 3, &x[n]);
+    }
+    for (double& value : u) value *= velocity_unit;
+    for (double& value : f) value *= force_unit;
+  }
+  std::vector<double> density;
+  std::vector<double> velocity;
+  if (with_fluid) {
+    // Slabs are put side by side along z, one after the other.
+    const auto columns =
+        static_cast<std::size_t>(setup_.nodes[0]) * static_cast<std::size_t>(setup_.nodes[1]);
+    const auto planes = static_cast<std::size_t>(setup_.nodes[2]);
+    const auto own_planes = static_cast<std::size_t>(fluid_.slab().size());
+    std::vector<double> rho(columns * own_planes);
+    std::vector<double> u(3 * columns * own_planes);
+    fluid_.fields(rho, u);
+    if (rank_ != 0) {
+      check(MPI_Send(rho.data(), static_cast<int>(rho.size()), MPI_DOUBLE, 0, 0, comm_),
+            "MPI_Send");
+      check(MPI_Send(u.data(), static_cast<int>(u.size()), MPI_DOUBLE, 0, 1, comm_), "MPI_Send");
+    } else {
+      density.resize(columns * planes);
+      velocity.resize(3 * columns * planes);
+      for (int r = 0; r < ranks_; ++r) {
+        const fluid::Range slab = fluid_.slab(r);
+        const auto count = static_cast<std::size_t>(slab.size());
+        if (r > 0) {
+          rho.resize(columns * count);
+          u.resize(3 * columns * count);
+          check(MPI_Recv(rho.data(), static_cast<int>(rho.size()), MPI_DOUBLE, r, 0, comm_,
+                         MPI_STATUS_IGNORE),
+                "MPI_Recv");
+          check(MPI_Recv(u.data(), static_cast<int>(u.size()), MPI_DOUBLE, r, 1, comm_,
+                         MPI_STATUS_IGNORE),
+                "MPI_Recv");
+        }
+        for (std::size_t column = 0; column < columns; ++column) {
+          for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t to = column * planes + static_cast<std::size_t>(slab.begin) + k;
+            density[to] = rho[column * count + k];
+            for (std::size_t a = 0; a < 3; ++a) {
+              velocity[a * density.size() + to] =
+                  velocity_unit * u[a * rho.size() + column * count + k];
+            }
+          }
+        }
+      }
+    }
+  }
+  if (rank_ != 0) return;
+  std::vector<SurfaceState> states;
+  for (const auto& [x, u, f] : arrays) states.push_back({x, u, f});
+  FluidState fluid;
+  fluid.density = density;
+  for (std::size_t a = 0; a < 3; ++a) {
+    fluid.velocity[a] = std::span(velocity).subspan(a * density.size(), density.size());
+  }
+  recorder_->surfaces().write(time(), states, with_fluid ? &fluid : nullptr);
+}
+
+// Whatever is due after `step` steps. Collective.
+Signal Simulation::record(std::int64_t step) {
+  const auto due = [&](double interval) {
+    const std::int64_t steps = setup_.steps(interval);
+    return steps > 0 && (step % steps == 0 || step == setup_.total_steps);
+  };
+  const OutputOptions& output = scenario_.output;
+  if (due(output.surfaces_every) || due(output.field_every)) {
+    // Every rank sends before rank 0 writes, so a full disk holds up nobody.
+    std::exception_ptr failure;
+    try {
+      write_frame(due(output.field_every));
+    } catch (const std::exception&) {
+      failure = std::current_exception();
+    }
+    const Signal signal = on_root([&]() -> Signal {
+      if (failure) std::rethrow_exception(failure);
+      return go_on;
+    });
+    if (signal != go_on) return signal;
+  }
+  if (!due(output.every)) return go_on;
+  const Sample now = sample();
+  const Signal signal = on_root([&] {
+    const Signal verdict = recorder_->take(now);
+    if (recorder_->pair()) {
+      char text[32];
+      std::snprintf(text, sizeof text, "dz = %.3f", axial_distance(now));
+      progress_->note(text);
+    }
+    return verdict;
+  });
+  int stop = signal == go_on && stop_requested != 0 ? interrupted : signal;
+  check(MPI_Allreduce(MPI_IN_PLACE, &stop, 1, MPI_INT, MPI_MAX, comm_), "MPI_Allreduce");
+  return static_cast<Signal>(stop);
+}
+
+// Throws FluidBlowUp on every rank.
+struct FluidBlowUp : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+void Simulation::check_fluid() {
+  if (!fluid_.totals().finite()) {
+    throw FluidBlowUp("the fluid's density or velocity is no longer finite");
+  }
+}
+
+std::string likely_cause(const Scenario& scenario) {
+  const bool capsules =
+      std::any_of(scenario.bodies.begin(), scenario.bodies.end(),
+                  [](const BodyOptions& body) { return body.kind == BodyKind::capsule; });
+  return capsules
+             ? "likely a membrane too stiff for the explicit scheme: `ductile check` shows the "
+               "margins of k_s and k_v; use more nodes, a smaller tau or volume_modulus"
+             : "likely too high a velocity or too small a tau: `ductile check` shows both";
+}
+
+int Simulation::run(const RunOptions& options) {
+  // A refusal to overwrite is the user's to mend; anything else here is the system's.
+  int exit_code = exit_success;
+  if (rank_ == 0) {
+    try {
+      recorder_.emplace(scenario_, setup_, options);
+      const auto nodes = setup_.node_count();
+      // Under mpirun no rank sees the terminal; who starts it there says so.
+      const bool terminal = isatty(STDERR_FILENO) != 0 || std::getenv("DUCTILE_LIVE") != nullptr;
+      progress_.emplace(setup_.time(setup_.total_steps), nodes, stderr, terminal,
+                        Progress::steady_seconds);
+    } catch (const InputError& error) {
+      std::fprintf(stderr, "%s\n", error.what());
+      exit_code = exit_bad_input;
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "ductile: %s\n", error.what());
+      exit_code = exit_failure;
+    }
+  }
+  check(MPI_Bcast(&exit_code, 1, MPI_INT, 0, comm_), "MPI_Bcast");
+  if (exit_code != exit_success) return exit_code;
+
+  stop_requested = 0;
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) std::signal(signal, request_stop);
+  const double start = MPI_Wtime();
+  const auto blew_up = [&](BlowUp blow_up) {
+    if (blow_up.reason.find("; use ") == std::string::npos) {
+      blow_up.reason += "; " + likely_cause(scenario_);
+    }
+    return finish(RunStatus::blew_up, std::move(blow_up), MPI_Wtime() - start);
+  };
+  try {
+    Signal signal = record(0);
+    while (signal == go_on && fluid_.time() < setup_.total_steps) {
+      coupler_->step();
+      if (fluid_.time() % finite_interval == 0) check_fluid();
+      signal = record(fluid_.time());
+      if (progress_) progress_->update(time(), fluid_.time());
+    }
+    if (signal == failed_output) return exit_failure;
+    const RunStatus status = signal == decided       ? RunStatus::decided
+                             : signal == too_far     ? RunStatus::stop_distance
+                             : signal == interrupted ? RunStatus::interrupted
+                                                     : RunStatus::finished;
+    return finish(status, std::nullopt, MPI_Wtime() - start);
+  } catch (const coupling::BodyFailure& failure) {
+    return blew_up({failure.step(), scenario_.bodies[static_cast<std::size_t>(failure.body())].name,
+                    std::nullopt, failure.reason()});
+  } catch (const FluidBlowUp& failure) {
+    return blew_up({fluid_.time(), "", std::nullopt, failure.what()});
+  }
+}
+
+int Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up, double wall_time) {
+  const Signal signal = on_root([&] {
+    progress_->finish();
+    Summary summary = recorder_->summarise(status);
+    if (status == RunStatus::finished && summary.verdict && !summary.verdict->decided()) {
+      summary.status = RunStatus::time_limit;
+    }
+    summary.blow_up = std::move(blow_up);
+    summary.time = time();
+    summary.steps = fluid_.time();
+    summary.wall_time = wall_time;
+    summary.updates_per_second =
+        static_cast<double>(setup_.node_count()) * static_cast<double>(fluid_.time()) / wall_time;
+    summary.ranks = ranks_;
+    summary.versions = versions();
+    recorder_->write(summary);
+    if (summary.blow_up) {
+      const std::string who =
+          summary.blow_up->body.empty() ? "the fluid" : "body " + summary.blow_up->body;
+      std::fprintf(stderr, "ductile: %s blew up at step %lld (t = %.4g): %s\n", who.c_str(),
+                   static_cast<long long>(summary.blow_up->step), summary.time,
+                   summary.blow_up->reason.c_str());
+      std::fprintf(stderr, "what was computed until then is in %s\n",
+                   recorder_->directory().string().c_str());
+      return go_on;
+    }
+    if (summary.verdict) {
+      std::printf("%s: dz = %.3f at t = %.2f (%s)\n",
+                  std::string(to_string(summary.verdict->pair_class)).c_str(), *summary.dz,
+                  summary.time, summary.verdict->reason.c_str());
+    } else {
+      for (const BodySummary& body : summary.bodies) {
+        std::printf("%s: x = %.4f, y = %.4f, z = %.3f at t = %.2f\n", body.name.c_str(),
+                    body.position.x(), body.position.y(), body.position.z(), summary.time);
+      }
+    }
+    for (const std::string& warning : summary.warnings) {
+      std::printf("warning: %s\n", warning.c_str());
+    }
+    std::printf("%s, %.1f million updates a second; results in %s\n",
+                duration_text(wall_time).c_str(), summary.updates_per_second / 1e6,
+                recorder_->directory().string().c_str());
+    return go_on;
+  });
+  if (signal == failed_output) return exit_failure;
+  return status == RunStatus::blew_up ? exit_blow_up : exit_success;
+}
+
+}  // namespace
+
+fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI_Comm comm) {
+  const bool plates = !scenario.channel.side_walls;
+  fluid::Options options;
+  options.nodes = setup.nodes;
+  options.boundary = {scenario.channel.walls,
+                      plates ? fluid::Boundary::periodic : scenario.channel.walls,
+                      fluid::Boundary::periodic};
+  options.wall_velocity[0] = {Eigen::Vector3d(0, 0, setup.wall_velocity[0]),
+                              Eigen::Vector3d(0, 0, setup.wall_velocity[1])};
+  options.tau = setup.tau;
+  options.collision = scenario.fluid.collision;
+  options.magic = scenario.fluid.magic;
+  options.force = {0, 0, setup.alpha};
+  options.storage = scenario.fluid.storage;
+  fluid::Fluid fluid(comm, options);
+  if (scenario.channel.start == Start::rest) return fluid;
+
+  const double w = setup.half_width;
+  const fluid::DuctFlow duct({w, setup.half_width_y}, setup.alpha, setup.nu);
+  const Eigen::Vector3d axis = 0.5 * Eigen::Vector3d(setup.nodes[0] - 1, setup.nodes[1] - 1, 0);
+  // The same for a whole column of nodes, which initialise() visits one after the other.
+  std::array<int, 2> column = {-1, -1};
+  fluid::NodeState state;
+  fluid.initialise([&](int i, int j, int /*k*/) {
+    if (column == std::array<int, 2>{i, j}) return state;
+    column = {i, j};
+    state = {};
+    const double x = i - axis.x();
+    const double y = j - axis.y();
+    if (plates) {
+      const double shear = (setup.wall_velocity[1] - setup.wall_velocity[0]) / (2 * w);
+      state.velocity.z() = setup.alpha / (2 * setup.nu) * (w * w - x * x) +
+                           0.5 * (setup.wall_velocity[0] + setup.wall_velocity[1]) + shear * x;
+      state.gradient(0, 2) = -setup.alpha / setup.nu * x + shear;
+    } else if (std::abs(x) < w && std::abs(y) < setup.half_width_y) {
+      state.velocity.z() = duct.velocity(x, y);
+      const Eigen::Vector2d gradient = duct.gradient(x, y);
+      state.gradient(0, 2) = gradient.x();
+      state.gradient(1, 2) = gradient.y();
+    }
+    return state;
+  });
+  return fluid;
+}
+
+int run_simulation(const Scenario& scenario, const LatticeSetup& setup, const RunOptions& options,
+                   MPI_Comm comm) {
+  return Simulation(scenario, setup, comm).run(options);
+}
+
+}  // namespace ductile::drivers

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
+#
+#   ./ductile.sh [-n RANKS] COMMAND ...    the program, under MPI on all cores (`--help` lists more)
+#   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
+#   ./ductile.sh validate [CTEST ...]      the long validation runs
+#   ./ductile.sh build                     builds everything, runs nothing
+set -euo pipefail
+
+top=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+build=$top/build
+
+packages=(g++ cmake ninja-build pkg-config libpetsc-real-dev libopenmpi-dev openmpi-bin
+  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libgtest-dev
+  python3-numpy python3-h5py python3-matplotlib)
+
+say() { printf 'ductile.sh: %s\n' "$*" >&2; }
+
+install_missing() {
+  local missing=() package
+  for package in "${packages[@]}"; do
+    case $'\n'$installed in
+      *$'\n'"ii $package"$'\n'*) ;;
+      *) missing+=("$package") ;;
+    esac
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+  local sudo=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      say "these packages are missing, and only root can install them; as root, run"
+      printf '  apt-get update && apt-get install -y --no-install-recommends %s\n' "${missing[*]}" >&2
+      exit 1
+    fi
+    sudo=(sudo)
+  fi
+  say "installing with apt: ${missing[*]}"
+  if ! { "${sudo[@]}" apt-get update -q && "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+         apt-get install -q -y --no-install-recommends "${missing[@]}"; } >&2; then
+    say "that failed; to install them by hand, run"
+    printf '  sudo apt-get update && sudo apt-get install -y --no-install-recommends %s\n' \
+      "${missing[*]}" >&2
+    exit 1
+  fi
+}
+
+# Configures once, and lets ninja see whether a target is up to date.
+make_target() {
+  if [ ! -f "$build/build.ninja" ]; then
+    say "configuring in build/"
+    (cd "$top" && cmake --preset release) >"$top/.configure.log" 2>&1 ||
+      { cat "$top/.configure.log" >&2; rm -f "$top/.configure.log"; exit 1; }
+    rm -f "$top/.configure.log"
+  fi
+  case $(ninja -C "$build" -n "$1") in
+    *"no work to do"*) return 0 ;;
+  esac
+  say "building (a few minutes the first time)"
+  ninja -C "$build" "$1" >&2
+}
+
+# Open MPI refuses root and more ranks than cores unless told; one machine needs no kernel-assisted
+# copies, which containers forbid.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+export OMPI_MCA_btl_vader_single_copy_mechanism=none
+
+ranks=$(nproc)
+if [ "${1:-}" = -n ]; then
+  ranks=${2:-}
+  case $ranks in
+    '' | *[!0-9]* | 0) say "-n takes a number of ranks, at least 1, not '$ranks'"; exit 2 ;;
+  esac
+  shift 2
+fi
+
+installed=$(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' "${packages[@]}" 2>/dev/null || true)$'\n'
+install_missing
+
+case ${1:-} in
+  test | validate)
+    make_target all
+    label=(-LE validation)
+    [ "$1" = test ] || label=(-L validation)
+    shift
+    exec ctest --test-dir "$build" --output-on-failure -j "$(nproc)" "${label[@]}" "$@"
+    ;;
+  build)
+    make_target all
+    ;;
+  run | pair)
+    make_target ductile
+    if [ "$ranks" -eq 1 ]; then exec "$build/drivers/ductile" "$@"; fi
+    [ ! -t 2 ] || export DUCTILE_LIVE=1
+    exec mpirun --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@"
+    ;;
+  *)
+    make_target ductile
+    exec "$build/drivers/ductile" "$@"
+    ;;
+esac
