@@ -100,21 +100,23 @@ double nearest_image(const Surface& a, const Surface& b, const Scenario& scenari
   const double home_y = images_y == 0 ? 0 : -std::round(apart.y() / setup.nodes[1]);
   const double home_z = -std::round(apart.z() / setup.nodes[2]);
   double nearest = std::numeric_limits<double>::infinity();
-  for (int y = -images_y; y <= images_y; ++y)
+  for (int y = -images_y; y <= images_y; ++y) {
     for (int z = -1; z <= 1; ++z) {
       const Eigen::Vector3d shift(0, (home_y + y) * setup.nodes[1], (home_z + z) * setup.nodes[2]);
       if ((apart + shift).norm() - a.reach() - b.reach() < nearest)
         nearest = std::min(nearest, a.distance(b, shift));
     }
+  }
   return nearest;
 }
 
 double interpolated(const std::array<std::array<double, 2>, 4>& table, double x) {
-  for (std::size_t i = 1; i < table.size(); ++i)
+  for (std::size_t i = 1; i < table.size(); ++i) {
     if (x <= table[i][0] || i + 1 == table.size()) {
       const double weight = (x - table[i - 1][0]) / (table[i][0] - table[i - 1][0]);
       return table[i - 1][1] + weight * (table[i][1] - table[i - 1][1]);
     }
+  }
   return 0;
 }
 
@@ -169,37 +171,42 @@ std::vector<Gap> gaps(const Scenario& scenario, const LatticeSetup& setup) {
       const double distance = half_widths[axis] - std::max(high - middle, middle - low);
       result.push_back({Gap::To::wall, i, axis, distance});
     }
-    for (std::size_t j = i + 1; j < surfaces.size(); ++j)
+    for (std::size_t j = i + 1; j < surfaces.size(); ++j) {
       result.push_back(
           {Gap::To::body, i, j, nearest_image(surfaces[i], surfaces[j], scenario, setup)});
+    }
   }
   return result;
 }
 
 void check_geometry(const Scenario& scenario, const LatticeSetup& setup) {
-  for (std::size_t i = 0; i < scenario.bodies.size(); ++i)
-    if (setup.bodies[i].radius < 2)
+  for (std::size_t i = 0; i < scenario.bodies.size(); ++i) {
+    if (setup.bodies[i].radius < 2) {
       throw ScenarioError(
           "channel.nodes",
           fmt::format("too few nodes: the radius of {} is {:.2g} lattice spacings, at least 2 are "
                       "needed: raise channel.nodes to {}",
                       name(scenario, i), setup.bodies[i].radius,
                       nodes_for_gap(scenario, setup, setup.bodies[i].radius, 2)));
+    }
+  }
   const auto all = gaps(scenario, setup);
   // Overlaps first: no number of nodes cures them.
   for (const Gap& gap : all) {
     if (gap.distance > 0) continue;
     const std::string path = "body." + scenario.bodies[gap.body].name;
-    if (gap.to == Gap::To::wall)
+    if (gap.to == Gap::To::wall) {
       throw ScenarioError(path + (gap.other == 0 ? ".x" : ".y"),
                           fmt::format("{} reaches {:.3g} W into {}: move it or make it smaller",
                                       name(scenario, gap.body), -gap.distance / setup.half_width,
                                       wall_name(scenario, setup, gap)));
-    if (gap.to == Gap::To::image)
+    }
+    if (gap.to == Gap::To::image) {
       throw ScenarioError(path + ".radius",
                           fmt::format("{} overlaps its own periodic image: make the channel longer "
                                       "or the body smaller",
                                       name(scenario, gap.body)));
+    }
     throw ScenarioError("body." + scenario.bodies[gap.other].name,
                         fmt::format("overlaps {}: move one of them", name(scenario, gap.body)));
   }
@@ -229,53 +236,61 @@ double stable_volume_modulus(double tau) {
 
 std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup) {
   std::vector<std::string> list;
-  if (setup.mach() > sound_mach)
+  if (setup.mach() > sound_mach) {
     list.push_back(
         fmt::format("Mach number {:.2f}: errors of compressibility go as its square; "
                     "more nodes or a lower tau reduce it",
                     setup.mach()));
-  for (const Gap& gap : gaps(scenario, setup))
-    if (gap.to == Gap::To::body && gap.distance < trusted_gap - round_off)
+  }
+  for (const Gap& gap : gaps(scenario, setup)) {
+    if (gap.to == Gap::To::body && gap.distance < trusted_gap - round_off) {
       list.push_back(fmt::format(
           "the gap between {} and {} is {:.1f} lattice spacings, under the {} that resolve the "
           "flow in it; channel.nodes = {} would do",
           name(scenario, gap.body), name(scenario, gap.other), gap.distance, trusted_gap,
           nodes_for_gap(scenario, setup, gap.distance, trusted_gap)));
+    }
+  }
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
     const BodyOptions& body = scenario.bodies[i];
     const BodySetup& lattice = setup.bodies[i];
-    if (lattice.radius < smallest_radius)
+    if (lattice.radius < smallest_radius) {
       list.push_back(
           fmt::format("the radius of {} is {:.1f} lattice spacings; under {} results are "
                       "crude",
                       name(scenario, i), lattice.radius, smallest_radius));
+    }
     if (body.kind == BodyKind::rigid) continue;
     const double edge = 1.2085 * lattice.radius / lattice.frequency;
-    if (body.membrane.mobility == 0 && edge < 1)
+    if (body.membrane.mobility == 0 && edge < 1) {
       list.push_back(
           fmt::format("{} has edges of {:.2f} lattice spacings and no mobility: strain "
                       "that the lattice cannot see will pile up; watch its strain energy",
                       name(scenario, i), edge));
+    }
     const double k_s_limit = stable_shear_modulus(setup.tau);
     const double k_v_limit = stable_volume_modulus(setup.tau);
-    if (lattice.moduli.k_s > k_s_limit)
+    if (lattice.moduli.k_s > k_s_limit) {
       list.push_back(
           fmt::format("{} has k_s = {:.3g} in lattice units, above about {:.2g} where "
                       "explicit-euler blows up at this tau: lower tau or laplace (limit "
                       "here about {:.0f})",
                       name(scenario, i), lattice.moduli.k_s, k_s_limit,
                       k_s_limit * lattice.radius / (setup.nu * setup.nu)));
-    if (lattice.moduli.k_v > k_v_limit)
+    }
+    if (lattice.moduli.k_v > k_v_limit) {
       list.push_back(
           fmt::format("{} has k_v = {:.3g} in lattice units, above about {:.2g} where "
                       "explicit-euler blows up at this tau: lower volume_modulus",
                       name(scenario, i), lattice.moduli.k_v, k_v_limit));
+    }
   }
   const double installed =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
-  if (population_bytes(scenario, setup) > installed)
+  if (population_bytes(scenario, setup) > installed) {
     list.push_back(fmt::format("the fluid needs {} of memory, this machine has {}",
                                size(population_bytes(scenario, setup)), size(installed)));
+  }
   return list;
 }
 
@@ -294,18 +309,20 @@ std::vector<std::string> notes(const Scenario& scenario, const LatticeSetup& set
     if (body.kind == BodyKind::rigid || k_v >= paper_volume_modulus) continue;
     const auto same = std::find_if(reduced.begin(), reduced.end(),
                                    [k_v](const auto& entry) { return entry.first == k_v; });
-    if (same == reduced.end())
+    if (same == reduced.end()) {
       reduced.emplace_back(k_v, body.name);
-    else
+    } else {
       same->second += ", " + body.name;
+    }
   }
   const double unit = setup.nu * setup.nu / (setup.half_width * setup.half_width);
-  for (const auto& [k_v, names] : reduced)
+  for (const auto& [k_v, names] : reduced) {
     list.push_back(fmt::format(
         "volume_modulus of {} is {:g} rho nu^2/W^2 ({:.2g} in lattice units), not the paper's "
         "{:g} ({:.2g}; explicit-euler bears about {:.2g}): see the volume error",
         names, k_v, k_v * unit, paper_volume_modulus, paper_volume_modulus * unit,
         stable_volume_modulus(setup.tau)));
+  }
   return list;
 }
 
@@ -370,9 +387,10 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
   const auto all = gaps(scenario, setup);
   for (const Gap::To to : {Gap::To::wall, Gap::To::body}) {
     const Gap* smallest = nullptr;
-    for (const Gap& gap : all)
+    for (const Gap& gap : all) {
       if (gap.to == to && (smallest == nullptr || gap.distance < smallest->distance))
         smallest = &gap;
+    }
     if (smallest == nullptr) continue;
     line("gap", fmt::format("{:.4g} dx from {} to {}, the smallest to a {}", smallest->distance,
                             name(scenario, smallest->body),

@@ -32,24 +32,27 @@ std::string version_text() {
 
 Override parsed_set(const std::string& argument) {
   const std::size_t equals = argument.find('=');
-  if (equals == std::string::npos || equals == 0)
+  if (equals == std::string::npos || equals == 0) {
     throw InputError(
         fmt::format("--set {}: must be KEY=VALUE, such as --set channel.nodes=48 or "
                     "--set body.lag.x=0.1",
                     argument));
+  }
   return {argument.substr(0, equals), argument.substr(equals + 1), "--set " + argument};
 }
 
 void require_free(const std::filesystem::path& directory, bool force) {
   std::error_code error;
   if (!std::filesystem::exists(directory, error)) return;
-  if (!std::filesystem::is_directory(directory, error))
+  if (!std::filesystem::is_directory(directory, error)) {
     throw InputError(
         fmt::format("{}: is not a directory: choose another with -o", directory.string()));
-  if (!force && !std::filesystem::is_empty(directory, error))
+  }
+  if (!force && !std::filesystem::is_empty(directory, error)) {
     throw InputError(fmt::format(
         "{}: is not empty: add --force to replace the run in it, or choose another with -o",
         directory.string()));
+  }
 }
 
 std::string_view pair_scenario(const std::string& name) {
@@ -135,11 +138,12 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
       {"--tau", "fluid.tau", "Relaxation time", ""},
       {"--length", "channel.length", "Length of the channel, in W", ""},
       {"--time-limit", "run.time_limit", "When to stop at the latest, in W^2/nu", ""}};
-  for (Shorthand& shorthand : shorthands)
+  for (Shorthand& shorthand : shorthands) {
     pair->add_option(shorthand.option, shorthand.value,
                      fmt::format("{} ({})", shorthand.meaning, shorthand.key))
         ->type_name("NUMBER")
         ->required(shorthand.option == "--x-lag");
+  }
   add_set(pair);
   add_output(pair, "runs/CASE_x-lag_X by default");
 
@@ -165,10 +169,12 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
   }
 
   std::vector<Override> overrides;
-  for (const Shorthand& shorthand : shorthands)
-    if (pair->count(shorthand.option) > 0)
+  for (const Shorthand& shorthand : shorthands) {
+    if (pair->count(shorthand.option) > 0) {
       overrides.push_back(
           {shorthand.key, shorthand.value, shorthand.option + " " + shorthand.value});
+    }
+  }
   for (const std::string& set : sets) overrides.push_back(parsed_set(set));
 
   if (check->parsed()) {

@@ -138,11 +138,12 @@ Key<T> choice(std::string_view name, Value T::*member,
   }
   auto read = [member, options, names, expected](T& table, const toml::node& node) {
     const std::string given = node.value<std::string>().value_or("");
-    for (const auto& [option, value] : options)
+    for (const auto& [option, value] : options) {
       if (node.is_string() && option == given) {
         table.*member = value;
         return;
       }
+    }
     const std::string hint = node.is_string() ? suggestion(given, names) : "";
     throw Complaint{"must be " + expected + (hint.empty() ? "" : ";" + hint)};
   };
@@ -174,7 +175,7 @@ Key<T> identifier(std::string_view name, std::string T::*member, std::string_vie
 /// swaps of neighbours (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i)
+  for (std::size_t i = 0; i <= a.size(); ++i) {
     for (std::size_t j = 0; j <= b.size(); ++j) {
       if (i == 0 || j == 0) {
         d[i][j] = i + j;
@@ -185,6 +186,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
         d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
     }
+  }
   return d[a.size()][b.size()];
 }
 
@@ -214,12 +216,13 @@ std::string suggestion(std::string_view given, const std::vector<std::string_vie
 std::string in_quotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\')
+    if (c == '"' || c == '\\') {
       result += fmt::format("\\{}", c);
-    else if (static_cast<unsigned char>(c) < 32 || c == 127)
+    } else if (static_cast<unsigned char>(c) < 32 || c == 127) {
       result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-    else
+    } else {
       result += c;
+    }
   }
   return result + "\"";
 }

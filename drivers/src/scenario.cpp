@@ -93,11 +93,12 @@ std::string joined(const std::vector<std::string_view>& names) {
 /// Where a key that is in the wrong table belongs.
 std::string home_of(std::string_view key) {
   std::string home;
-  for (const auto& [table, keys] : known_keys())
+  for (const auto& [table, keys] : known_keys()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
       if (table != "body") return fmt::format(" it belongs in [{}]", table);
       home = " it belongs in [[body]]";
     }
+  }
   return home;
 }
 
@@ -190,9 +191,10 @@ class Document {
       if (const auto* table = node->as_table()) {
         next = table->get(step);
       } else if (const auto* array = node->as_array()) {
-        for (std::size_t i = 0; i < array->size() && next == nullptr; ++i)
+        for (std::size_t i = 0; i < array->size() && next == nullptr; ++i) {
           if (const auto* body = (*array)[i].as_table(); body != nullptr && name(*body, i) == step)
             next = body;
+        }
       }
       if (next == nullptr) break;
       node = next;
@@ -219,10 +221,11 @@ class Document {
   static std::vector<std::string> split(std::string_view key) {
     std::vector<std::string> path(1);
     for (const char c : key) {
-      if (c == '.')
+      if (c == '.') {
         path.emplace_back();
-      else
+      } else {
         path.back() += c;
+      }
     }
     return path;
   }
@@ -313,10 +316,11 @@ class Reader {
 
   static std::string name_from(const std::string& file) {
     std::string name = std::filesystem::path(file).stem().string().substr(0, 64);
-    for (char& c : name)
+    for (char& c : name) {
       if (static_cast<unsigned char>(c) >= 128 ||
           (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_'))
         c = '-';
+    }
     return name.empty() ? "run" : name;
   }
 
@@ -355,10 +359,11 @@ class Reader {
       if (table == nullptr)
         document_.fail("body", element, "must be an array of tables: write [[body]]");
       s.bodies.push_back(read_body(*table, i, s));
-      if (!names.insert(s.bodies.back().name).second)
+      if (!names.insert(s.bodies.back().name).second) {
         document_.fail("body.name", named(*table),
                        fmt::format("two bodies are called {}: give each its own name",
                                    in_quotes(s.bodies.back().name)));
+      }
     }
   }
 
@@ -378,9 +383,10 @@ class Reader {
     read_keys(table, path, body_keys(), body);
     std::vector<std::string_view> applicable;
     if (body.kind == BodyKind::capsule) {
-      if (!table.contains("laplace"))
+      if (!table.contains("laplace")) {
         document_.fail(path + "laplace", table,
                        "is missing: state the capsule's softness La = k_s a/(rho nu^2)");
+      }
       read_keys(table, path, capsule_keys(), body);
       read_keys(table, path, membrane_keys(), body.membrane);
       applicable = names_of(body_keys(), capsule_keys(), membrane_keys());
@@ -389,36 +395,41 @@ class Reader {
       read_keys(table, path, rigid_keys(), body.rigid);
       applicable = names_of(body_keys(), rigid_body_keys(), rigid_keys());
     }
-    for (const auto& [key, node] : table)
-      if (std::find(applicable.begin(), applicable.end(), key.str()) == applicable.end())
+    for (const auto& [key, node] : table) {
+      if (std::find(applicable.begin(), applicable.end(), key.str()) == applicable.end()) {
         document_.fail_key(path + shown_key(key.str()), key, node,
                            fmt::format("does not apply to a {}: remove it",
                                        body.kind == BodyKind::capsule ? "capsule" : "rigid body"));
+      }
+    }
     return body;
   }
 
   /// What no single key can tell.
   static void check_together(const Scenario& s) {
     const bool moving = s.channel.wall_velocity != std::array<double, 2>{0, 0};
-    if (moving && s.channel.side_walls && s.channel.start == Start::developed)
+    if (moving && s.channel.side_walls && s.channel.start == Start::developed) {
       throw ScenarioError("channel.start",
                           "must be \"rest\" where walls move and there are side walls, since no "
                           "developed flow is known for it (or set channel.side_walls = false)");
-    if (s.run.stop_distance > s.channel.length)
+    }
+    if (s.run.stop_distance > s.channel.length) {
       throw ScenarioError("run.stop_distance",
                           fmt::format("must be at most channel.length = {}: further away is nearer "
                                       "to the periodic image",
                                       s.channel.length));
+    }
     for (const BodyOptions& body : s.bodies) {
       const std::string path = "body." + body.name + ".";
       if (body.kind == BodyKind::rigid && body.shape != BodyShape::sphere)
         throw ScenarioError(path + "shape", "rigid bodies are spheres: remove it");
       if (body.rotation_axis == std::array<double, 3>{0, 0, 0})
         throw ScenarioError(path + "rotation_axis", "must not be zero");
-      if (std::abs(body.z) > s.channel.length / 2)
+      if (std::abs(body.z) > s.channel.length / 2) {
         throw ScenarioError(path + "z",
                             fmt::format("must be from {} to {}: half of channel.length either way",
                                         -s.channel.length / 2, s.channel.length / 2));
+      }
     }
   }
 
@@ -490,10 +501,11 @@ std::string resolved_toml(const Scenario& s) {
   text += "\n[output]\n" + written(output_keys(), s.output);
   for (const BodyOptions& body : s.bodies) {
     text += "\n[[body]]\n" + written(body_keys(), body);
-    if (body.kind == BodyKind::capsule)
+    if (body.kind == BodyKind::capsule) {
       text += written(capsule_keys(), body) + written(membrane_keys(), body.membrane);
-    else
+    } else {
       text += written(rigid_body_keys(), body) + written(rigid_keys(), body.rigid);
+    }
   }
   return text;
 }

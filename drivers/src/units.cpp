@@ -78,7 +78,7 @@ LatticeSetup lattice_setup(const Scenario& scenario) {
   s.gravity = Eigen::Vector3d(channel.gravity.data()) * (s.nu * s.nu / (W * W * W));
   s.steps_per_time = W * W / s.nu;
   s.total_steps = s.steps(scenario.run.time_limit);
-  if (s.mach() > largest_mach)
+  if (s.mach() > largest_mach) {
     throw ScenarioError(
         s.u_max >= std::abs(s.wall_velocity[0]) && s.u_max >= std::abs(s.wall_velocity[1])
             ? "channel.reynolds"
@@ -87,6 +87,7 @@ LatticeSetup lattice_setup(const Scenario& scenario) {
                     "or lower fluid.tau",
                     s.mach(), largest_mach,
                     static_cast<int>(std::ceil(channel.nodes * s.mach() / largest_mach)) + 1));
+  }
   for (const BodyOptions& body : scenario.bodies) s.bodies.push_back(body_setup(body, s));
   return s;
 }

@@ -60,7 +60,7 @@ TEST(CommandLine, PairsAreThePapers) {
       {"B2", {{{capsule, sphere, 100}, {capsule, cell, 100}}}},
       {"B3", {{{capsule, sphere, 10}, {capsule, sphere, 100}}}},
       {"B4", {{{capsule, sphere, 100}, {capsule, sphere, 10}}}}};
-  for (const auto& [name, particles] : table)
+  for (const auto& [name, particles] : table) {
     for (const char* x_lag : {"-0.4", "-0.2", "0", "0.2", "0.4"}) {
       const Scenario s = parse_command_line({"pair", name, "--x-lag", x_lag}).scenario;
       EXPECT_EQ(s.name, name);
@@ -78,6 +78,7 @@ TEST(CommandLine, PairsAreThePapers) {
       EXPECT_EQ(s.bodies[1].x, std::stod(x_lag));
       EXPECT_EQ(s.bodies[0].z - s.bodies[1].z, 1);
     }
+  }
 }
 
 TEST(CommandLine, DirectoriesAreNamedForTheRun) {

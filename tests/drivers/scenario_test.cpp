@@ -213,9 +213,10 @@ TEST(Scenario, DocumentationNamesEveryKeyOfAResolvedFile) {
   const std::regex assignment(R"((^|\n)(\w+) = )");
   int keys = 0;
   for (auto it = std::sregex_iterator(resolved.begin(), resolved.end(), assignment);
-       it != std::sregex_iterator(); ++it, ++keys)
+       it != std::sregex_iterator(); ++it, ++keys) {
     EXPECT_NE(documentation.find("\n  " + (*it)[2].str() + " = "), std::string::npos)
         << (*it)[2].str();
+  }
   EXPECT_GT(keys, 50);
 }
 

@@ -26,8 +26,8 @@ TEST(Units, PoiseuilleCoefficientsAreThoseOfTheSeries) {
 
 // With rho = nu = W = 1, Re = 10 is U_max = 5 and alpha = 16.96725; k_s = La/a.
 TEST(Units, ThePapersParametersComeOutAtAnyResolution) {
-  for (const char* nodes : {"24", "36", "75", "90"})
-    for (const char* tau : {"0.6", "1.0"})
+  for (const char* nodes : {"24", "36", "75", "90"}) {
+    for (const char* tau : {"0.6", "1.0"}) {
       for (const char* walls : {"halfway", "regularized"}) {
         const LatticeSetup s = lattice_setup(scenario(
             {set("channel.nodes", nodes), set("fluid.tau", tau), set("channel.walls", walls)}));
@@ -47,6 +47,8 @@ TEST(Units, ThePapersParametersComeOutAtAnyResolution) {
           EXPECT_NEAR(body.mobility * s.nu, 1e-3, 1e-16);  // eta = nu at rho = 1
         }
       }
+    }
+  }
 }
 
 // physics of the paper's own run: k_v = 75000 is 1.03 in lattice units at 2W = 90, tau = 1, and 9.3
@@ -61,7 +63,7 @@ TEST(Units, VolumeModulusIsThePapersWhereTheLatticeBearsIt) {
 }
 
 TEST(Units, DefaultVolumeModulusIsAtMostOneAndAHalfLatticeUnits) {
-  for (const char* nodes : {"20", "24", "36", "48", "60", "90"})
+  for (const char* nodes : {"20", "24", "36", "48", "60", "90"}) {
     for (const char* tau : {"0.55", "0.8", "1.0"}) {
       const Scenario s = scenario({set("channel.nodes", nodes), set("fluid.tau", tau)});
       const LatticeSetup lattice = lattice_setup(s);
@@ -71,6 +73,7 @@ TEST(Units, DefaultVolumeModulusIsAtMostOneAndAHalfLatticeUnits) {
         EXPECT_GE(lattice.bodies[0].moduli.k_v, 1.48);
       }
     }
+  }
 }
 
 TEST(Units, HalfWidthIsWhatTheWallsMakeOfTheNodes) {
