@@ -1,10 +1,7 @@
 #include "bodies.hpp"
 
-#include <stdexcept>
-
-#include "ductile/membrane/capsule.hpp"
+#include "adapters.hpp"
 #include "ductile/membrane/mesh.hpp"
-#include "ductile/rigid/body.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -19,32 +16,22 @@ class CapsuleBody final : public ImmersedBody {
   CapsuleBody(const BodyOptions& options, const LatticeSetup& lattice, const BodySetup& setup)
       : lattice_(lattice),
         energy_unit_(setup.moduli.k_s * setup.radius * setup.radius),
-        capsule_(make(options, lattice, setup)) {}
+        capsule_(make(options, lattice, setup)),
+        markers_(*capsule_) {}
 
-  [[nodiscard]] std::size_t marker_count() const override {
-    return static_cast<std::size_t>(capsule_->vertex_count());
-  }
+  [[nodiscard]] coupling::Body& markers() override { return markers_; }
   [[nodiscard]] std::span<const double> positions() const override { return capsule_->positions(); }
-  [[nodiscard]] int corrections() const override { return capsule_->corrections(); }
-  void predict_force(std::span<double> force) override { capsule_->predict_force(force); }
-  void correct_force(std::span<const double> velocity, const coupling::Response& response,
-                     std::span<double> increment) override {
-    capsule_->correct_force(
-        velocity,
-        [&](std::span<const double> force, std::span<double> answer) {
-          response.apply(force, answer);
-        },
-        increment);
+  [[nodiscard]] std::span<const double> velocities() const override {
+    return capsule_->velocities();
   }
-  void advance(std::span<const double> velocity) override { capsule_->advance(velocity); }
-
+  [[nodiscard]] std::span<const double> forces() const override { return capsule_->forces(); }
   [[nodiscard]] BodySample sample() const override {
     const membrane::Shape shape = capsule_->shape();
     // The centroid one step ago, from the velocities that moved the vertices since.
     const membrane::Shell& shell = capsule_->shell();
-    const membrane::VecPtr before(shell.create_vec());
+    const membrane::VecPtr before = shell.create_vec();
     membrane::petsc_check(VecWAXPY(before.get(), -1, capsule_->state().velocities.get(),
-                             capsule_->state().positions.get()));
+                                   capsule_->state().positions.get()));
     BodySample sample;
     sample.position = lattice_.position(shape.centroid);
     sample.velocity = lattice_.velocity(shape.centroid - shell.shape(before.get()).centroid);
@@ -54,10 +41,6 @@ class CapsuleBody final : public ImmersedBody {
     sample.strain_energy = capsule_->energies().strain / energy_unit_;
     return sample;
   }
-  [[nodiscard]] std::span<const double> velocities() const override {
-    return capsule_->velocities();
-  }
-  [[nodiscard]] std::span<const double> forces() const override { return capsule_->forces(); }
 
  private:
   static std::unique_ptr<membrane::Capsule> make(const BodyOptions& options,
@@ -76,36 +59,24 @@ class CapsuleBody final : public ImmersedBody {
   const LatticeSetup& lattice_;
   double energy_unit_;
   std::unique_ptr<membrane::Capsule> capsule_;
+  CapsuleMarkers markers_;
 };
 
 class RigidBody final : public ImmersedBody {
  public:
   RigidBody(const BodyOptions& options, const LatticeSetup& lattice, const BodySetup& setup)
-      : lattice_(lattice), body_(make(options, lattice, setup)) {
-    velocities_.resize(3 * marker_count());
-  }
+      : lattice_(lattice), body_(make(options, lattice, setup)), markers_(body_) {}
 
-  [[nodiscard]] std::size_t marker_count() const override { return body_.marker_count(); }
+  [[nodiscard]] coupling::Body& markers() override { return markers_; }
   [[nodiscard]] std::span<const double> positions() const override { return body_.positions(); }
-  [[nodiscard]] int corrections() const override { return body_.corrections(); }
-  void predict_force(std::span<double> force) override { body_.predict_force(force); }
-  void correct_force(std::span<const double> velocity, const coupling::Response& /*response*/,
-                     std::span<double> increment) override {
-    body_.correct_force(velocity, increment);
-  }
-  void advance(std::span<const double> velocity) override {
-    velocities_.assign(velocity.begin(), velocity.end());
-    body_.advance(velocity);
-  }
-
+  [[nodiscard]] std::span<const double> velocities() const override { return markers_.velocity(); }
+  [[nodiscard]] std::span<const double> forces() const override { return {}; }
   [[nodiscard]] BodySample sample() const override {
     BodySample sample;
     sample.position = lattice_.position(body_.state().position);
     sample.velocity = lattice_.velocity(body_.state().velocity);
     return sample;
   }
-  [[nodiscard]] std::span<const double> velocities() const override { return velocities_; }
-  [[nodiscard]] std::span<const double> forces() const override { return {}; }
 
  private:
   static rigid::Body make(const BodyOptions& options, const LatticeSetup& lattice,
@@ -123,7 +94,7 @@ class RigidBody final : public ImmersedBody {
 
   const LatticeSetup& lattice_;
   rigid::Body body_;
-  std::vector<double> velocities_;
+  RigidMarkers markers_;
 };
 
 }  // namespace

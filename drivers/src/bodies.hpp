@@ -1,4 +1,4 @@
-// Capsules and rigid bodies as the coupler sees them, and what they show to the outside.
+// The bodies of a scenario, and what they show to the outside.
 #pragma once
 
 #include <array>
@@ -13,16 +13,23 @@
 
 namespace ductile::drivers {
 
-/// A body in the fluid, on the rank that owns it. An adapter: the membrane and rigid libraries know
-/// nothing of the coupling, nor of each other.
-class ImmersedBody : public coupling::Body {
+/// A body in the fluid, on the rank that owns it.
+class ImmersedBody {
  public:
-  /// Its state in the paper's units.
-  [[nodiscard]] virtual BodySample sample() const = 0;
+  ImmersedBody() = default;
+  ImmersedBody(const ImmersedBody&) = delete;
+  ImmersedBody& operator=(const ImmersedBody&) = delete;
+  virtual ~ImmersedBody() = default;
+
+  /// What the coupler moves.
+  [[nodiscard]] virtual coupling::Body& markers() = 0;
+  [[nodiscard]] virtual std::span<const double> positions() const = 0;
   /// Velocity of the markers in the latest step, and their force on the fluid where the body knows
   /// it (else empty); lattice units.
   [[nodiscard]] virtual std::span<const double> velocities() const = 0;
   [[nodiscard]] virtual std::span<const double> forces() const = 0;
+  /// Its state in the paper's units.
+  [[nodiscard]] virtual BodySample sample() const = 0;
 };
 
 /// Body number `index` of the scenario. `setup` must outlive it.

@@ -176,7 +176,7 @@ class Simulation {
     for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
       if (owner(b) != rank_) continue;
       bodies_.push_back({b, make_body(scenario, setup, b)});
-      members.push_back({static_cast<int>(b), bodies_.back().body.get()});
+      members.push_back({static_cast<int>(b), &bodies_.back().body->markers()});
     }
     coupler_.emplace(fluid_, std::move(members), static_cast<int>(scenario.bodies.size()));
   }

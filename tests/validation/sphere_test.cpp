@@ -1,0 +1,125 @@
+// Rigid spheres with walls and with a density of their own, against the literature.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "ductile/fluid/duct.hpp"
+#include "validation/support.hpp"
+
+namespace {
+
+using namespace ductile;
+using std::numbers::pi;
+
+// Velocity of a free sphere on the axis of a square duct, relative to the empty duct's maximum.
+double axial_velocity(double radius_over_w) {
+  constexpr int N = 40;
+  constexpr double w = N / 2.0;
+  fluid::Options options = test::box(N, N, 3 * N, 1.0);
+  options.boundary[0] = options.boundary[1] = fluid::Boundary::halfway;
+  const double nu = (options.tau - 0.5) / 3;
+  const double maximum = 0.5 * nu / (2 * w);  // Re = 2 W U_max/nu = 0.5
+  options.force[2] = maximum / fluid::DuctFlow({w, w}, 1, nu).maximum();
+  const fluid::DuctFlow duct({w, w}, options.force[2], nu);
+  fluid::Fluid fluid(MPI_COMM_SELF, options);
+  const double centre = (N - 1) / 2.0;
+  fluid.initialise([&](int i, int j, int) {
+    fluid::NodeState s;
+    s.velocity[2] = duct.velocity(i - centre, j - centre);
+    const Eigen::Vector2d g = duct.gradient(i - centre, j - centre);
+    s.gradient(0, 2) = g[0];
+    s.gradient(1, 2) = g[1];
+    return s;
+  });
+  rigid::Body body = test::sphere(radius_over_w * w, {}, {centre, centre, 1.5 * N});
+  drivers::RigidMarkers markers(body);
+  coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
+  for (int n = 0; n < 3000; ++n) coupler.step();
+  EXPECT_NEAR(body.state().position.x(), centre, 1e-6);
+  return body.state().velocity.z() / maximum;
+}
+
+// Faxen: U/U_max = 1 - (a/W)^2/1.768112 on the axis of the square duct.
+TEST(FreeSphere, MovesOnTheAxisWithFaxensVelocity) {
+  EXPECT_NEAR(axial_velocity(0.2), 0.977377, 0.01 * 0.977377);
+}
+// At a = 0.4 W the wall's own correction counts, about 0.005 by analogy with the tube.
+TEST(FreeSphere, OfTheSizeOfThePapersMovesOnTheAxisAsExpected) {
+  EXPECT_NEAR(axial_velocity(0.4), 0.9095 + 0.005, 0.015 * 0.9145);
+}
+
+// Force on a sphere driven towards a plane wall, over 6 pi eta a U, as its gap passes through
+// `gap`; walls are at both ends of z, 20 a apart.
+double wall_resistance(double radius, double gap) {
+  const int L = static_cast<int>(20 * radius);
+  fluid::Options options = test::box(L, L, L, 1.0);
+  options.boundary[2] = fluid::Boundary::halfway;
+  fluid::Fluid fluid(MPI_COMM_SELF, options);
+  constexpr double speed = 2e-4;
+  constexpr int steps = 3000;
+  rigid::Options towards;
+  towards.motion = rigid::Motion::prescribed;
+  const double height = radius + gap + speed * steps;
+  rigid::Body body = test::sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5});
+  body.prescribe({0, 0, -speed}, Eigen::Vector3d::Zero());
+  drivers::RigidMarkers markers(body);
+  coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
+  for (int n = 0; n < steps; ++n) coupler.step();
+  return body.hydrodynamic_force().z() / (6 * pi * fluid.viscosity() * radius * speed);
+}
+
+// Brenner 1961, re-summed: 3.73562 at a gap of 0.4 a, 2.125536 at a gap of a.
+TEST(SphereTowardsAWall, IsResistedAsBrennersSeriesSays) {
+  EXPECT_NEAR(wall_resistance(5, 5), 2.125536, 0.1 * 2.125536);
+  EXPECT_NEAR(wall_resistance(5, 2), 3.73562, 0.1 * 3.73562);
+}
+
+// ten Cate et al. 2002, case E1: a sphere of 15 mm and 1120 kg/m^3 settles in 100 x 100 x 160 mm of
+// silicone oil (970 kg/m^3, 0.373 Pa s), its bottom 120 mm above the floor at the start.
+TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
+  constexpr double dx = 1.25e-3;
+  constexpr double nu = 0.373 / 970;
+  fluid::Options options = test::box(80, 80, 128, 1.0);
+  options.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, fluid::Boundary::halfway};
+  fluid::Fluid fluid(MPI_COMM_SELF, options);
+  const double dt = fluid.viscosity() * dx * dx / nu;
+  rigid::Options settling;
+  settling.density_ratio = 1120.0 / 970.0;
+  settling.gravity = {0, 0, -9.81 * dt * dt / dx};
+  constexpr double diameter = 15e-3;
+  rigid::Body body = test::sphere(0.5 * diameter / dx, settling,
+                                  {39.5, 39.5, (120e-3 + 0.5 * diameter) / dx - 0.5});
+  drivers::RigidMarkers markers(body);
+  coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
+
+  std::vector<std::array<double, 3>> path;  // t [s], h/d, v [m/s]
+  double fastest = 0;
+  const auto record = [&] {
+    const double height = (body.state().position.z() + 0.5) * dx - 0.5 * diameter;
+    const double v = body.state().velocity.z() * dx / dt;
+    fastest = std::max(fastest, -v);
+    path.push_back({static_cast<double>(fluid.time()) * dt, height / diameter, v});
+  };
+  record();
+  while (path.back()[1] > 0.25) {  // two lattice spacings and a half
+    coupler.step();
+    record();
+    ASSERT_LT(path.back()[0], 6.0);
+  }
+  EXPECT_NEAR(fastest, 0.036, 0.05 * 0.036);
+  RecordProperty("fastest", std::to_string(fastest));
+  const auto at = [&](double t, std::size_t column) {
+    const auto n = static_cast<std::size_t>(t / dt);
+    return path.at(std::min(n, path.size() - 1))[column];
+  };
+  for (const auto& [t, gap] :
+       test::reference_curve("settling_sphere/tenCate2002-fig5a-Re1p5.csv")) {
+    if (t < path.back()[0]) EXPECT_NEAR(at(t, 1), gap, 0.05 * 8) << "t = " << t;
+  }
+  for (const auto& [t, v] : test::reference_curve("settling_sphere/tenCate2002-fig5b-Re1p5.csv")) {
+    if (t < path.back()[0]) EXPECT_NEAR(at(t, 2), v, 0.05 * 0.036) << "t = " << t;
+  }
+}
+
+}  // namespace

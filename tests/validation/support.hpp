@@ -1,0 +1,61 @@
+// Bodies in a fluid, put together for tests.
+#pragma once
+
+#include <array>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "adapters.hpp"
+#include "ductile/coupling/coupler.hpp"
+#include "ductile/fluid/fluid.hpp"
+#include "ductile/membrane/mesh.hpp"
+
+namespace ductile::test {
+
+inline fluid::Options box(int nx, int ny, int nz, double tau) {
+  fluid::Options options;
+  options.nodes = {nx, ny, nz};
+  options.tau = tau;
+  return options;
+}
+
+/// A sphere with markers about `edge` apart.
+inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
+                          double edge = 1.2) {
+  const membrane::Mesh mesh =
+      membrane::icosphere(membrane::frequency_for_edge(radius, edge), radius);
+  rigid::State state;
+  state.position = at;
+  return {{mesh.vertices, membrane::vertex_areas(mesh)}, rigid::ball(radius), options, state};
+}
+
+/// A spherical capsule, inflated from its reference by `stretch`.
+inline std::unique_ptr<membrane::Capsule> capsule(double radius, double stretch,
+                                                  const membrane::Moduli& moduli,
+                                                  const membrane::CapsuleOptions& options,
+                                                  const Eigen::Vector3d& at, double edge) {
+  const int n = membrane::frequency_for_edge(radius, edge);
+  const membrane::Mesh reference = membrane::icosphere(n, radius);
+  membrane::Mesh placed = membrane::icosphere(n, radius * stretch);
+  membrane::place(placed, Eigen::Matrix3d::Identity(), at);
+  return std::make_unique<membrane::Capsule>(reference, placed.vertices, moduli, options);
+}
+
+/// Rows of two numbers, separated by a comma or a blank, from tests/reference.
+inline std::vector<std::array<double, 2>> reference_curve(const std::string& file) {
+  std::ifstream in(std::string(DUCTILE_REFERENCE_DIR) + "/" + file);
+  if (!in) throw std::runtime_error("cannot read " + file);
+  std::vector<std::array<double, 2>> rows;
+  for (std::string line; std::getline(in, line);) {
+    for (char& c : line) c = c == ',' ? ' ' : c;
+    std::array<double, 2> row{};
+    if (std::istringstream(line) >> row[0] >> row[1]) rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace ductile::test
