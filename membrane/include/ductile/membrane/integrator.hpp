@@ -1,0 +1,70 @@
+// How a shell moves in time, apart from what its force is: one file a scheme.
+//
+// In each step, from t to t + 1 (lattice units), the fluid and the shell's scheme talk as follows;
+// u is the fluid's velocity at the vertices, F their force on the fluid:
+//
+//   1.  F  = predict_force()                  what follows from the state at t
+//   2.  corrections() times:
+//           u  = the fluid's, with all force so far
+//           F += correct_force(u)             the scheme may ask how u would answer to more force
+//   3.  u  = the fluid's, with the whole force
+//       v  = advance(u)                       x^(n+1) = x^n + v
+//
+// A vertex moves with the fluid and slips through it under its own force: v = u + eps F, eps being
+// the vertex's mobility. That slip relaxes strain on the scale of a lattice spacing, which the
+// interpolation between lattice and vertices hides from the fluid; eps = 0 is the pure immersed
+// boundary method.
+#pragma once
+
+#include <petscvec.h>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "ductile/membrane/petsc.hpp"
+#include "ductile/membrane/shell.hpp"
+
+namespace ductile::membrane {
+
+/// A shell's state between two steps; each 3n numbers, interlaced, block size 3, lattice units.
+struct State {
+  VecPtr positions;   ///< x^n
+  VecPtr velocities;  ///< v of the vertices in the latest step, x^n - x^(n-1)
+  VecPtr forces;      ///< F on the fluid as far as known
+};
+
+/// The fluid's instantaneous answer to more force at the vertices, these fixed at x^n: velocity <-
+/// R force, linear, symmetric and positive semi-definite; both 3n.
+using Response = std::function<void(std::span<const double> force, std::span<double> velocity)>;
+
+/// A scheme for one shell. It leaves the state as it finds it: its results are its last arguments.
+class Integrator {
+ public:
+  Integrator() = default;
+  Integrator(const Integrator&) = delete;
+  Integrator& operator=(const Integrator&) = delete;
+  virtual ~Integrator() = default;
+
+  /// How many fluid velocities the scheme needs before its force is final; constant.
+  [[nodiscard]] virtual int corrections() const { return 0; }
+  /// force <- what the shell exerts on the fluid as far as it follows from the state at t.
+  virtual void predict_force(const State& state, Vec force) = 0;
+  /// increment <- what to add to state.forces, given the fluid's velocity with those in. Throws
+  /// std::logic_error in a scheme without corrections.
+  virtual void correct_force(const State& state, Vec fluid_velocity, const Response& response,
+                             Vec increment);
+  /// velocity <- v, given the fluid's with the whole force in.
+  virtual void advance(const State& state, Vec fluid_velocity, Vec velocity) = 0;
+};
+
+/// Makes a scheme for a shell and its mobility eps, 3n numbers; both must outlive the scheme.
+using IntegratorFactory =
+    std::function<std::unique_ptr<Integrator>(const Shell& shell, Vec mobility)>;
+
+/// The factory of the scheme of that name: "explicit-euler". Throws std::invalid_argument, listing
+/// the names there are, for any other.
+IntegratorFactory make_integrator(std::string_view name);
+
+}  // namespace ductile::membrane

@@ -1,0 +1,47 @@
+// Closed triangle meshes of capsules and their geometry.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace ductile::membrane {
+
+/// A closed surface of triangles, normals outward (vertices counter-clockwise seen from outside).
+struct Mesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// Geodesic icosphere of `frequency` n: 20 n^2 triangles, 10 n^2 + 2 vertices on the sphere of
+/// `radius` about the origin. n = m 2^k, m odd: each face of the icosahedron is divided into m^2,
+/// projected, and then k times each triangle into four, new vertices projected onto the sphere at
+/// every level (Krueger, Varnik & Raabe 2011; the paper's 20 x 4^k meshes are n = 2^k).
+/// The numbering depends on n alone. Throws std::invalid_argument if n < 1, if 20 n^2 exceeds an
+/// int, or if radius <= 0.
+Mesh icosphere(int frequency, double radius);
+
+/// Biconcave cell of the paper's eq. (18): the icosphere of `radius` a, transformed; V = 2.7154735
+/// a^3, A = 12.6200173 a^2 in the limit of fine meshes. The dimple axis is z. The origin is the
+/// centre. Throws as icosphere().
+Mesh biconcave(int frequency, double radius);
+
+/// Mean length of the edges of a closed mesh; that of icosphere(n, radius) is about
+/// 1.2085 radius/n.
+double mean_edge(const Mesh& mesh);
+
+/// The frequency n of the icosphere of `radius` whose mean edge is nearest to `edge` (at least 2).
+/// Throws std::invalid_argument if either is not positive.
+int frequency_for_edge(double radius, double edge);
+
+/// Enclosed volume, by the divergence theorem: sum x0 . (x1 x x2)/6.
+double volume(const Mesh& mesh);
+/// Surface area.
+double area(const Mesh& mesh);
+/// Area of each vertex: a third of that of the triangles it belongs to. Sums to area().
+std::vector<double> vertex_areas(const Mesh& mesh);
+
+/// Applies x -> rotation x + centre to every vertex.
+void place(Mesh& mesh, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& centre);
+
+}  // namespace ductile::membrane

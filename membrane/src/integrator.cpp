@@ -1,0 +1,40 @@
+#include "ductile/membrane/integrator.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "explicit_euler.hpp"
+
+namespace ductile::membrane {
+namespace {
+
+template <class Scheme>
+std::unique_ptr<Integrator> make(const Shell& shell, Vec mobility) {
+  return std::make_unique<Scheme>(shell, mobility);
+}
+
+constexpr std::pair<std::string_view, std::unique_ptr<Integrator> (*)(const Shell&, Vec)>
+    schemes[] = {
+        {"explicit-euler", make<ExplicitEuler>},
+};
+
+}  // namespace
+
+void Integrator::correct_force(const State& /*state*/, Vec /*fluid_velocity*/,
+                               const Response& /*response*/, Vec /*increment*/) {
+  throw std::logic_error("this integrator makes no corrections");
+}
+
+IntegratorFactory make_integrator(std::string_view name) {
+  std::string known;
+  for (const auto& [scheme, factory] : schemes) {
+    if (scheme == name) return factory;
+    known += known.empty() ? "" : ", ";
+    known += scheme;
+  }
+  throw std::invalid_argument("unknown membrane integrator '" + std::string(name) +
+                              "'; known: " + known);
+}
+
+}  // namespace ductile::membrane

@@ -1,0 +1,326 @@
+#include "ductile/membrane/shell.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace ductile::membrane {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using std::numbers::pi;
+using std::numbers::sqrt3;
+
+Vector3d point(const double* x, int vertex) {
+  return Vector3d::Map(x + 3 * vertex);
+}
+
+// Strain energy density and its derivatives with respect to I1 and I2.
+struct Density {
+  double w, w1, w2;
+};
+
+Density strain_density(const Moduli& k, double i1, double i2) {
+  if (k.law == StrainLaw::skalak) {
+    return {k.k_s / 12 * (i1 * i1 + 2 * i1 - 2 * i2) + k.k_a / 12 * i2 * i2, k.k_s / 6 * (i1 + 1),
+            (k.k_a * i2 - k.k_s) / 6};
+  }
+  const double inverse = 1 / (i2 + 1);
+  return {k.k_s / 6 * (i1 - 1 + inverse), k.k_s / 6, -k.k_s / 6 * inverse * inverse};
+}
+
+void validate(const Moduli& moduli) {
+  const std::pair<const char*, double> all[] = {
+      {"k_s", moduli.k_s}, {"k_a", moduli.k_a}, {"k_b", moduli.k_b}, {"k_v", moduli.k_v}};
+  for (const auto& [name, value] : all) {
+    if (!(value >= 0) || !std::isfinite(value)) {
+      throw std::invalid_argument(std::string("shell: modulus ") + name + " = " +
+                                  std::to_string(value) + " must be finite and not negative");
+    }
+  }
+}
+
+std::string quoted(const std::array<int, 3>& triangle) {
+  return "(" + std::to_string(triangle[0]) + ", " + std::to_string(triangle[1]) + ", " +
+         std::to_string(triangle[2]) + ")";
+}
+
+void validate(const Mesh& mesh) {
+  if (mesh.triangles.empty()) throw std::invalid_argument("shell: the mesh has no triangles");
+  const auto vertex_count = static_cast<int>(mesh.vertices.size());
+  std::vector<bool> used(mesh.vertices.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const int vertex : mesh.triangles[t]) {
+      if (vertex < 0 || vertex >= vertex_count) {
+        throw std::invalid_argument(
+            "shell: triangle " + std::to_string(t) + " " + quoted(mesh.triangles[t]) +
+            " names a vertex that is not one of " + std::to_string(vertex_count));
+      }
+      used[vertex] = true;
+    }
+  }
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (!used[v])
+      throw std::invalid_argument("shell: vertex " + std::to_string(v) + " belongs to no triangle");
+  }
+}
+
+template <class T>
+VecArray<T> array_of(Vec vec, int vertex_count) {
+  PetscInt size = 0;
+  petsc_check(VecGetLocalSize(vec, &size));
+  if (size != 3 * vertex_count) {
+    throw std::invalid_argument("shell: a vector of " + std::to_string(size) + " numbers for " +
+                                std::to_string(vertex_count) + " vertices");
+  }
+  return VecArray<T>(vec);
+}
+
+}  // namespace
+
+Shell::Shell(const Mesh& reference, const Moduli& moduli, const ShellOptions& options)
+    : vertex_count_(static_cast<int>(reference.vertices.size())),
+      moduli_(moduli),
+      triangles_(reference.triangles),
+      normals_(reference.triangles.size()),
+      inverse_norms_(reference.triangles.size()) {
+  validate(moduli);
+  validate(reference);
+  build_elements(reference);
+  build_hinges(options);
+  moments_.resize(hinges_.size() + 1);
+
+  std::vector<double> x;
+  x.reserve(3 * reference.vertices.size());
+  for (const Vector3d& vertex : reference.vertices) x.insert(x.end(), vertex.begin(), vertex.end());
+  reference_volume_ = update_normals(x.data());
+  if (!options.flat_reference_angles) {
+    for (Hinge& hinge : hinges_) {
+      const Angle theta0 = angle(hinge, x.data());
+      hinge.cos0 = theta0.cos;
+      hinge.sin0 = theta0.sin;
+    }
+  }
+  vertex_areas_ = membrane::vertex_areas(reference);
+
+  if (options.open_sheet && moduli.k_v > 0) {
+    throw std::invalid_argument("shell: an open sheet encloses no volume: k_v = " +
+                                std::to_string(moduli.k_v) + " must be 0");
+  }
+  if (!options.open_sheet && !(reference_volume_ > 0)) {
+    throw std::invalid_argument("shell: the mesh encloses the volume " +
+                                std::to_string(reference_volume_) +
+                                ": its triangles must run counter-clockwise seen from outside");
+  }
+}
+
+void Shell::build_elements(const Mesh& reference) {
+  elements_.reserve(triangles_.size());
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& [v0, v1, v2] = triangles_[t];
+    const Vector3d e1 = reference.vertices[v1] - reference.vertices[v0];
+    const Vector3d e2 = reference.vertices[v2] - reference.vertices[v0];
+    const double g11 = e1.squaredNorm(), g12 = e1.dot(e2), g22 = e2.squaredNorm();
+    const double det = e1.cross(e2).squaredNorm();
+    // Round-off in det is a few eps (g11 + g22)^2; a height of 1e-6 edges stays well above.
+    if (!(det > 1e-12 * (g11 + g22) * (g11 + g22))) {
+      throw std::invalid_argument("shell: triangle " + std::to_string(t) + " " +
+                                  quoted(triangles_[t]) + " is degenerate: its area is " +
+                                  std::to_string(std::sqrt(det) / 2));
+    }
+    elements_.push_back({g22 / det, -g12 / det, g11 / det, 1 / det, std::sqrt(det) / 2, {}});
+  }
+}
+
+void Shell::build_hinges(const ShellOptions& options) {
+  struct Side {
+    int triangle, corner;  // the corner that faces the edge
+  };
+  std::map<std::pair<int, int>, Side> sides;  // by (tail, head)
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int tail = triangles_[t][(k + 1) % 3], head = triangles_[t][(k + 2) % 3];
+      const auto [entry, is_new] = sides.try_emplace({tail, head}, Side{static_cast<int>(t), k});
+      if (!is_new) {
+        throw std::invalid_argument("shell: triangles " + std::to_string(entry->second.triangle) +
+                                    " and " + std::to_string(t) + " both run from vertex " +
+                                    std::to_string(tail) + " to " + std::to_string(head) +
+                                    ": one is flipped, or the edge has more than two triangles");
+      }
+    }
+  }
+  // In the order of the triangles, which keeps the work on neighbours together.
+  for (Element& element : elements_) element.hinges.fill(-1);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (elements_[t].hinges[k] >= 0) continue;
+      const int tail = triangles_[t][(k + 1) % 3], head = triangles_[t][(k + 2) % 3];
+      const auto other = sides.find({head, tail});
+      if (other != sides.end()) {
+        const auto& [right, corner] = other->second;
+        const auto number = static_cast<int>(hinges_.size());
+        elements_[t].hinges[k] = number;
+        elements_[right].hinges[corner] = number;
+        hinges_.push_back({static_cast<int>(t), right, tail, head, 1, 0});
+      } else if (!options.open_sheet) {
+        throw std::invalid_argument("shell: the mesh is not closed: the edge from vertex " +
+                                    std::to_string(tail) + " to " + std::to_string(head) +
+                                    " of triangle " + std::to_string(t) + " has no other triangle");
+      }
+    }
+  }
+  for (Element& element : elements_) {
+    for (int& hinge : element.hinges) {
+      if (hinge < 0) hinge = static_cast<int>(hinges_.size());
+    }
+  }
+}
+
+double Shell::update_normals(const double* x) const {
+  const Vector3d origin = point(x, 0);  // near the shell, lest its distance cost digits
+  double volume = 0;
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& [v0, v1, v2] = triangles_[t];
+    const Vector3d x0 = point(x, v0);
+    normals_[t] = (point(x, v1) - x0).cross(point(x, v2) - x0);
+    inverse_norms_[t] = 1 / std::sqrt(normals_[t].squaredNorm());
+    volume += (x0 - origin).dot(normals_[t]);
+  }
+  return volume / 6;
+}
+
+Shell::Angle Shell::angle(const Hinge& hinge, const double* x) const {
+  const Vector3d& left = normals_[hinge.left];
+  const Vector3d& right = normals_[hinge.right];
+  const Vector3d edge = point(x, hinge.head) - point(x, hinge.tail);
+  const double scale = inverse_norms_[hinge.left] * inverse_norms_[hinge.right];
+  const double inverse_length = 1 / std::sqrt(edge.squaredNorm());
+  return {left.dot(right) * scale, left.cross(right).dot(edge) * (scale * inverse_length),
+          inverse_length};
+}
+
+Energies Shell::energies(Vec positions) const {
+  const auto array = array_of<const double>(positions, vertex_count_);
+  const double* x = array.data();
+  Energies energies;
+
+  const double v = update_normals(x) - reference_volume_;
+  if (moduli_.k_v > 0) energies.volume = moduli_.k_v / 2 * v * v / reference_volume_;
+
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& [v0, v1, v2] = triangles_[t];
+    const Element& e = elements_[t];
+    const Vector3d e1 = point(x, v1) - point(x, v0), e2 = point(x, v2) - point(x, v0);
+    const double i1 =
+        e1.squaredNorm() * e.a11 + 2 * e1.dot(e2) * e.a12 + e2.squaredNorm() * e.a22 - 2;
+    const double i2 = normals_[t].squaredNorm() * e.inverse_det - 1;
+    energies.strain += e.area * strain_density(moduli_, i1, i2).w;
+  }
+
+  for (const Hinge& hinge : hinges_) {
+    // 1 - cos(theta - theta0), without its cancellation.
+    const Angle theta = angle(hinge, x);
+    const double c = theta.cos - hinge.cos0, s = theta.sin - hinge.sin0;
+    energies.bending += (c * c + s * s) / 2;
+  }
+  energies.bending *= sqrt3 * moduli_.k_b;
+  return energies;
+}
+
+void Shell::force(Vec positions, Vec force) const {
+  const auto array = array_of<const double>(positions, vertex_count_);
+  const double* x = array.data();
+  const auto out = array_of<double>(force, vertex_count_);
+  double* f = out.data();
+
+  const double volume = update_normals(x);
+  // dE_v/dV; dV/dx of a vertex is a sixth of the sum of the normals about it.
+  const double pressure =
+      moduli_.k_v > 0 ? moduli_.k_v * (volume - reference_volume_) / reference_volume_ : 0;
+
+  for (std::size_t h = 0; h < hinges_.size(); ++h) {
+    const Angle theta = angle(hinges_[h], x);
+    const double sine = theta.sin * hinges_[h].cos0 - theta.cos * hinges_[h].sin0;
+    moments_[h] = sqrt3 * moduli_.k_b * sine * theta.inverse_length;
+  }
+
+  std::fill(f, f + out.size(), 0.0);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& [v0, v1, v2] = triangles_[t];
+    const Element& e = elements_[t];
+    const Vector3d e1 = point(x, v1) - point(x, v0), e2 = point(x, v2) - point(x, v0);
+    const double g11 = e1.squaredNorm(), g12 = e1.dot(e2), g22 = e2.squaredNorm();
+    const Vector3d& normal = normals_[t];
+
+    // Strain: dE/de_i = s_ij e_j with the stress s = 2 A0 dW/dg = 2 A0 (W1 dI1/dg + W2 dI2/dg).
+    const double i1 = g11 * e.a11 + 2 * g12 * e.a12 + g22 * e.a22 - 2;
+    const double i2 = normal.squaredNorm() * e.inverse_det - 1;
+    const Density density = strain_density(moduli_, i1, i2);
+    const double c1 = 2 * e.area * density.w1, c2 = 2 * e.area * density.w2 * e.inverse_det;
+    const double s11 = c1 * e.a11 + c2 * g22;
+    const double s12 = c1 * e.a12 - c2 * g12;
+    const double s22 = c1 * e.a22 + c2 * g11;
+
+    // Bending: this triangle's part of dtheta/dx of its edges is along its normal n. With the
+    // edge k, of length l, facing vertex k,
+    //   dtheta/dx_k = -(l/n^2) n,   dtheta/dx_i = (p_j/(l n^2)) n,   p_i = e_ij . e_ik,
+    // for its ends i and j; l^2 = p_i + p_j. The moments hold (dE/dtheta)/l.
+    const double p0 = g12, p1 = g11 - g12, p2 = g22 - g12;
+    const double m0 = moments_[e.hinges[0]], m1 = moments_[e.hinges[1]], m2 = moments_[e.hinges[2]];
+    const double b01 = p2 * (m1 - m0), b12 = p0 * (m2 - m1), b20 = p1 * (m0 - m2);
+    const double scale = inverse_norms_[t] * inverse_norms_[t];
+    const double b0 = (b01 - b20) * scale, b1 = (b12 - b01) * scale, b2 = (b20 - b12) * scale;
+
+    const Vector3d strain1 = s11 * e1 + s12 * e2, strain2 = s12 * e1 + s22 * e2;
+    Vector3d::Map(f + 3 * v0) += strain1 + strain2 - (b0 + pressure / 6) * normal;
+    Vector3d::Map(f + 3 * v1) -= strain1 + (b1 + pressure / 6) * normal;
+    Vector3d::Map(f + 3 * v2) -= strain2 + (b2 + pressure / 6) * normal;
+  }
+}
+
+Shape Shell::shape(Vec positions) const {
+  const auto array = array_of<const double>(positions, vertex_count_);
+  const double* x = array.data();
+  const Vector3d origin = point(x, 0);
+  Shape shape;
+  Vector3d first = Vector3d::Zero();   // integrals of x and x x^T, a tetrahedron from the
+  Matrix3d second = Matrix3d::Zero();  // origin to each triangle
+  for (const auto& [v0, v1, v2] : triangles_) {
+    const Vector3d a = point(x, v0) - origin, b = point(x, v1) - origin, c = point(x, v2) - origin;
+    const Vector3d sum = a + b + c;
+    const double volume = a.dot(b.cross(c)) / 6;
+    shape.area += (b - a).cross(c - a).norm() / 2;
+    shape.volume += volume;
+    first += volume / 4 * sum;
+    second += volume / 20 *
+              (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+  }
+  const Vector3d centre = first / shape.volume;
+  shape.centroid = origin + centre;
+  shape.inertia = second - shape.volume * centre * centre.transpose();
+  return shape;
+}
+
+Vector3d Shape::semi_axes() const {
+  // Of an ellipsoid with semi-axes a, b, c: (4 pi/15) a b c (a^2, b^2, c^2).
+  const Vector3d moments = Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia, Eigen::EigenvaluesOnly)
+                               .eigenvalues()
+                               .reverse() *
+                           (15 / (4 * pi));
+  return (moments / std::pow(moments.prod(), 0.2)).cwiseSqrt();
+}
+
+double Shape::taylor_deformation() const {
+  const Vector3d axes = semi_axes();
+  return (axes[0] - axes[2]) / (axes[0] + axes[2]);
+}
+
+}  // namespace ductile::membrane
