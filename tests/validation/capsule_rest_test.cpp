@@ -36,7 +36,7 @@ TEST(PreInflatedCapsule, HoldsThePressureOfItsTension) {
   const double inside = pressure(23, 24, 24);
   const double outside = (pressure(1, 1, 1) + pressure(23, 24, 1) + pressure(1, 24, 24)) / 3;
   const double l = std::cbrt(capsule->shape().volume / capsule->shell().reference_volume());
-  EXPECT_NEAR(l, 1.05, 0.01 * 0.05);
+  EXPECT_NEAR(l, 1.05, 0.005);  // what leaks through, of the stretch
   const double expected = 2.0 / 3.0 * k_s / a * ((l * l - 1) / l + C * l * (std::pow(l, 4) - 1));
   EXPECT_NEAR(inside - outside, expected, 0.03 * expected);
   RecordProperty("pressure_ratio", std::to_string((inside - outside) / expected));

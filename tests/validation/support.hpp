@@ -23,11 +23,15 @@ inline fluid::Options box(int nx, int ny, int nz, double tau) {
   return options;
 }
 
-/// A sphere with markers about `edge` apart.
+/// How far inside of its surface a rigid body's markers stand in for it, in lattice spacings: the
+/// 4-point kernel makes the body felt so much further out (SphereArray measures it).
+constexpr double retraction = 0.5;
+
+/// A sphere with markers about 1.2 apart, `inwards` of its surface.
 inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
-                          double edge = 1.2) {
+                          double inwards = retraction) {
   const membrane::Mesh mesh =
-      membrane::icosphere(membrane::frequency_for_edge(radius, edge), radius);
+      membrane::icosphere(membrane::frequency_for_edge(radius - inwards, 1.2), radius - inwards);
   rigid::State state;
   state.position = at;
   return {{mesh.vertices, membrane::vertex_areas(mesh)}, rigid::ball(radius), options, state};
