@@ -32,6 +32,8 @@ struct Entry {
 };
 constexpr int entry_size = 9;
 
+constexpr int no_marker = -1;
+
 // A body of this rank.
 struct Host {
   int id = 0;
@@ -62,10 +64,12 @@ struct Guest {
 
 }  // namespace
 
-BodyFailure::BodyFailure(int body, std::int64_t step, const std::string& reason)
+BodyFailure::BodyFailure(int body, std::optional<std::size_t> marker, std::int64_t step,
+                         const std::string& reason)
     : std::runtime_error("body " + std::to_string(body) + ", step " + std::to_string(step) + ": " +
                          reason),
       body_(body),
+      marker_(marker),
       step_(step),
       reason_(reason) {}
 
@@ -90,7 +94,7 @@ class Coupler::Impl {
   void agree();
 
   std::optional<fluid::Box> stencil_box(const Host& host);
-  void fail(const Host& host, const std::string& reason);
+  void fail(const Host& host, int marker, const std::string& reason);
   [[nodiscard]] bool takes_part(int id, int round) const {
     return round < 0 || round < entries_[static_cast<std::size_t>(id)].corrections;
   }
@@ -111,6 +115,7 @@ class Coupler::Impl {
   int rounds_ = 0;
   bool moved_out_ = true;
   int failed_ = INT_MAX;  // lowest id of a body that failed in this step
+  int failed_marker_ = no_marker;
   std::string reason_;
 };
 
@@ -174,15 +179,18 @@ void Coupler::Impl::guarded(Host& host, const F& f) {
   if (failed_ <= host.id) return;
   try {
     f(*host.body);
+  } catch (const MarkerError& error) {
+    fail(host, static_cast<int>(error.marker()), error.what());
   } catch (const std::exception& error) {
-    fail(host, error.what());
+    fail(host, no_marker, error.what());
   }
 }
 
 // Of several failures in a step, that of the first body is reported.
-void Coupler::Impl::fail(const Host& host, const std::string& reason) {
+void Coupler::Impl::fail(const Host& host, int marker, const std::string& reason) {
   if (failed_ <= host.id) return;
   failed_ = host.id;
+  failed_marker_ = marker;
   reason_ = reason;
 }
 
@@ -238,7 +246,8 @@ std::optional<fluid::Box> Coupler::Impl::stencil_box(const Host& host) {
   for (std::size_t n = 0; n < x.size(); n += 3) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (!(std::abs(x[n + axis]) < 1e9)) {
-        fail(host, "the position of vertex " + std::to_string(n / 3) + " is not finite");
+        fail(host, static_cast<int>(n / 3),
+             "the position of vertex " + std::to_string(n / 3) + " is not finite");
         return std::nullopt;
       }
       low[axis] = std::min(low[axis], x[n + axis]);
@@ -265,8 +274,9 @@ void Coupler::Impl::lay_out() {
         const bool runs_on = axis == 2 && period_ > 0;
         if (!runs_on &&
             (box[axis].begin < domain[axis].begin || box[axis].end > domain[axis].end)) {
-          fail(host, std::string("a vertex is within two lattice spacings of the boundary along ") +
-                         "xyz"[axis] + ", too close for the 4-point kernel; use more nodes");
+          fail(host, no_marker,
+               std::string("a vertex is within two lattice spacings of the boundary along ") +
+                   "xyz"[axis] + ", too close for the 4-point kernel; use more nodes");
           break;
         }
         box[axis].begin -= margin[axis];
@@ -275,7 +285,8 @@ void Coupler::Impl::lay_out() {
           box[axis].begin = std::max(box[axis].begin, domain[axis].begin);
           box[axis].end = std::min(box[axis].end, domain[axis].end);
         } else if (box[axis].size() > period_) {
-          fail(host, "the body is longer than the periodic channel; use a longer channel");
+          fail(host, no_marker,
+               "the body is longer than the periodic channel; use a longer channel");
         } else {
           box[axis].end =
               std::min(box[axis].begin + (box[axis].size() + 7) / 8 * 8,  // whole vectors
@@ -513,13 +524,17 @@ void Coupler::Impl::agree() {
   int body = own;
   check(MPI_Allreduce(MPI_IN_PLACE, &body, 1, MPI_INT, MPI_MIN, comm_), "MPI_Allreduce");
   const int root = entries_[static_cast<std::size_t>(body)].owner;
-  int length = static_cast<int>(reason_.size());
-  check(MPI_Bcast(&length, 1, MPI_INT, root, comm_), "MPI_Bcast");
+  std::array<int, 2> header = {static_cast<int>(reason_.size()), failed_marker_};
+  check(MPI_Bcast(header.data(), 2, MPI_INT, root, comm_), "MPI_Bcast");
+  const auto [length, marker] = header;
   reason_.resize(static_cast<std::size_t>(length));
   check(MPI_Bcast(reason_.data(), length, MPI_CHAR, root, comm_), "MPI_Bcast");
   failed_ = INT_MAX;
   moved_out_ = true;
-  throw BodyFailure(body, fluid_.time(), reason_);
+  const std::optional<std::size_t> at_fault =
+      marker == no_marker ? std::nullopt
+                          : std::optional<std::size_t>(static_cast<std::size_t>(marker));
+  throw BodyFailure(body, at_fault, fluid_.time(), reason_);
 }
 
 Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "ductile/coupling/body.hpp"
 #include "ductile/membrane/capsule.hpp"
@@ -19,19 +20,34 @@ class CapsuleMarkers final : public coupling::Body {
   }
   [[nodiscard]] std::span<const double> positions() const override { return capsule_.positions(); }
   [[nodiscard]] int corrections() const override { return capsule_.corrections(); }
-  void predict_force(std::span<double> force) override { capsule_.predict_force(force); }
+  void predict_force(std::span<double> force) override {
+    translated([&] { capsule_.predict_force(force); });
+  }
   void correct_force(std::span<const double> velocity, const coupling::Response& response,
                      std::span<double> increment) override {
-    capsule_.correct_force(
-        velocity,
-        [&](std::span<const double> force, std::span<double> answer) {
-          response.apply(force, answer);
-        },
-        increment);
+    translated([&] {
+      capsule_.correct_force(
+          velocity,
+          [&](std::span<const double> force, std::span<double> answer) {
+            response.apply(force, answer);
+          },
+          increment);
+    });
   }
-  void advance(std::span<const double> velocity) override { capsule_.advance(velocity); }
+  void advance(std::span<const double> velocity) override {
+    translated([&] { capsule_.advance(velocity); });
+  }
 
  private:
+  template <class F>
+  static void translated(const F& f) {
+    try {
+      f();
+    } catch (const membrane::BlowUp& error) {
+      throw coupling::MarkerError(static_cast<std::size_t>(error.vertex()), error.what());
+    }
+  }
+
   membrane::Capsule& capsule_;
 };
 
@@ -49,7 +65,11 @@ class RigidMarkers final : public coupling::Body {
   }
   void advance(std::span<const double> velocity) override {
     velocity_.assign(velocity.begin(), velocity.end());
-    body_.advance(velocity);
+    try {
+      body_.advance(velocity);
+    } catch (const rigid::BlowUp& error) {
+      throw coupling::MarkerError(error.marker(), error.what());
+    }
   }
   /// The fluid's velocity at the markers in the latest step.
   [[nodiscard]] std::span<const double> velocity() const { return velocity_; }

@@ -122,6 +122,8 @@ class FluidImpl {
   virtual void read_velocity() = 0;
   virtual void step() = 0;
   virtual void fields(std::span<double> density, std::span<double> velocity) = 0;
+  // Of each own plane: the sums of rho - 1 and of rho u.
+  virtual std::vector<double> plane_sums() = 0;
   [[nodiscard]] virtual std::size_t memory() const = 0;
 
   void place_boxes(std::span<const Box> boxes);
@@ -186,20 +188,7 @@ void FluidImpl::place_boxes(std::span<const Box> boxes) {
 }
 
 Totals FluidImpl::totals() {
-  const auto planes = static_cast<std::size_t>(slab_.size());
-  const auto columns =
-      static_cast<std::size_t>(options_.nodes[0]) * static_cast<std::size_t>(options_.nodes[1]);
-  std::vector<double> density(columns * planes);
-  std::vector<double> velocity(3 * columns * planes);
-  fields(density, velocity);
-  std::vector<double> own(4 * planes, 0.0);
-  for (std::size_t n = 0; n < density.size(); ++n) {
-    double* plane = &own[4 * (n % planes)];
-    plane[0] += density[n] - 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      plane[1 + axis] += density[n] * velocity[axis * density.size() + n];
-    }
-  }
+  const std::vector<double> own = plane_sums();
   // Planes are summed one by one in their order, whoever holds them.
   std::vector<int> counts;
   std::vector<int> offsets;
@@ -248,6 +237,7 @@ class Populations final : public FluidImpl {
   void read_velocity() override;
   void step() override;
   void fields(std::span<double> density, std::span<double> velocity) override;
+  std::vector<double> plane_sums() override;
   [[nodiscard]] std::size_t memory() const override {
     std::size_t bytes = storage_.bytes();
     for (const Patch& patch : patches_) bytes += 10 * sizeof(double) * patch.density.size();
@@ -280,6 +270,7 @@ class Populations final : public FluidImpl {
   Row<Real> row(int x, int y);
   [[nodiscard]] bool wall_of(int x, int y, RowWall& wall) const;
   void collide_column(int x, int y);
+  void read_column(int x, int y, double* density, const std::array<double*, 3>& velocity);
   void drive_moving_walls();
   void drive_wall(int x, int y, int begin, int end, std::size_t axis, int side);
 
@@ -593,6 +584,23 @@ void Populations<Real>::read_velocity() {
   }
 }
 
+// Density and velocity of one column, to four arrays of planes_ numbers.
+template <class Real>
+void Populations<Real>::read_column(int x, int y, double* density,
+                                    const std::array<double*, 3>& velocity) {
+  moments(row(x, y), 0, planes_, density, velocity[0], velocity[1], velocity[2]);
+  RowWall wall;
+  const bool on_wall = wall_of(x, y, wall);
+  for (int k = 0; k < planes_; ++k) {
+    density[k] += 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double half_force = 0.5 * options_.force[static_cast<Eigen::Index>(axis)];
+      velocity[axis][k] =
+          on_wall ? wall.velocity[axis] : (velocity[axis][k] + half_force) / density[k];
+    }
+  }
+}
+
 template <class Real>
 void Populations<Real>::fields(std::span<double> density, std::span<double> velocity) {
   if (odd()) fetch_ghosts();
@@ -600,31 +608,35 @@ void Populations<Real>::fields(std::span<double> density, std::span<double> velo
   const std::size_t count = static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * planes;
   if (density.size() != count || velocity.size() != 3 * count) {
     reject("fields need " + std::to_string(count) +
-           " densities and three times as many "
-           "velocities");
+           " densities and three times as many velocities");
   }
+  std::size_t first = 0;
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y, first += planes) {
+      read_column(x, y, &density[first],
+                  {&velocity[first], &velocity[count + first], &velocity[2 * count + first]});
+    }
+  }
+}
+
+template <class Real>
+std::vector<double> Populations<Real>::plane_sums() {
+  if (odd()) fetch_ghosts();
+  const auto planes = static_cast<std::size_t>(planes_);
+  std::vector<double> column(4 * planes);
+  std::vector<double> sums(4 * planes, 0.0);
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) {
-      const std::size_t first = (static_cast<std::size_t>(x) * static_cast<std::size_t>(ny_) +
-                                 static_cast<std::size_t>(y)) *
-                                planes;
-      double* rho = &density[first];
-      std::array<double*, 3> u = {&velocity[first], &velocity[count + first],
-                                  &velocity[2 * count + first]};
-      RowWall wall;
-      const bool on_wall = wall_of(x, y, wall);
-      moments(row(x, y), 0, planes_, rho, u[0], u[1], u[2]);
+      read_column(x, y, column.data(), {&column[planes], &column[2 * planes], &column[3 * planes]});
       for (std::size_t k = 0; k < planes; ++k) {
-        rho[k] += 1;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          u[axis][k] =
-              on_wall
-                  ? wall.velocity[axis]
-                  : (u[axis][k] + 0.5 * options_.force[static_cast<Eigen::Index>(axis)]) / rho[k];
+        sums[4 * k] += column[k] - 1;
+        for (std::size_t axis = 1; axis < 4; ++axis) {
+          sums[4 * k + axis] += column[k] * column[axis * planes + k];
         }
       }
     }
   }
+  return sums;
 }
 
 std::unique_ptr<FluidImpl> make(MPI_Comm comm, const Options& options) {

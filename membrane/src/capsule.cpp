@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -22,9 +23,11 @@ std::string message(BlowUp::Reason reason, int vertex, double displacement) {
     case BlowUp::Reason::too_fast:
       break;
   }
-  return which + " moves " + std::to_string(displacement) +
-         " lattice spacings in one step, more than " + std::to_string(Capsule::max_displacement) +
-         ": the membrane is too stiff for its integrator, or the flow too fast for the time step";
+  std::ostringstream text;
+  text << which << " moves " << displacement << " lattice spacings in one step, more than "
+       << Capsule::max_displacement
+       << ": the membrane is too stiff for its integrator, or the flow too fast for the time step";
+  return text.str();
 }
 
 // The span stays valid: a sequential vector on the host keeps its array where it is.

@@ -152,7 +152,7 @@ TEST(Coupler, NamesTheBodyThatFailsAndLeavesTheFluidAsItWas) {
   int calls = 0;
   Explicit good({4, 4, 4}, nullptr);
   Explicit bad({11, 11, 11}, [&](auto, auto) {
-    if (++calls == 3) throw std::runtime_error("vertex 0 has had enough");
+    if (++calls == 3) throw coupling::MarkerError(0, "vertex 0 has had enough");
   });
   Coupler coupler(fluid, {{0, &good}, {1, &bad}}, 2);
   coupler.step();
@@ -162,6 +162,7 @@ TEST(Coupler, NamesTheBodyThatFailsAndLeavesTheFluidAsItWas) {
     FAIL() << "no exception";
   } catch (const BodyFailure& failure) {
     EXPECT_EQ(failure.body(), 1);
+    EXPECT_EQ(failure.marker(), 0U);
     EXPECT_EQ(failure.step(), 2);
     EXPECT_EQ(failure.reason(), "vertex 0 has had enough");
   }

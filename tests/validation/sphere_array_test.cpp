@@ -57,7 +57,7 @@ constexpr std::array<Array, 5> table = {{{0.186105, 2.008, 54},
                                          {0.248140, 2.810, 42},
                                          {0.310175, 4.292, 34},
                                          {0.372210, 7.442, 32},
-                                         {0.434245, 15.4, 32}}};
+                                         {0.434245, 15.4, 36}}};
 
 // A surface of the 4-point kernel is felt half a lattice spacing further out than its markers are:
 // with them on the sphere, the drag is too high by an error of first order.

@@ -29,6 +29,8 @@
 
 #include <cstddef>
 #include <span>
+#include <stdexcept>
+#include <string>
 
 namespace ductile::coupling {
 
@@ -40,6 +42,18 @@ class Response {
   virtual ~Response() = default;
   /// velocity <- (1/2 rho) S S^T force; both 3n, interlaced x y z. Not collective.
   virtual void apply(std::span<const double> force, std::span<double> velocity) const = 0;
+};
+
+/// What a body throws that cannot go on because of one of its markers. Any other exception of a
+/// body is reported as well, without a marker.
+class MarkerError : public std::runtime_error {
+ public:
+  MarkerError(std::size_t marker, const std::string& reason)
+      : std::runtime_error(reason), marker_(marker) {}
+  [[nodiscard]] std::size_t marker() const { return marker_; }
+
+ private:
+  std::size_t marker_;
 };
 
 /// A body immersed in the fluid. It owns its markers; the coupler keeps no physical state. All

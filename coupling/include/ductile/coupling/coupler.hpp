@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,13 +23,17 @@ struct Member {
 /// the fluid has taken the step. Bodies may have.
 class BodyFailure : public std::runtime_error {
  public:
-  BodyFailure(int body, std::int64_t step, const std::string& reason);
+  BodyFailure(int body, std::optional<std::size_t> marker, std::int64_t step,
+              const std::string& reason);
   [[nodiscard]] int body() const { return body_; }
+  /// The marker at fault, where it was one.
+  [[nodiscard]] std::optional<std::size_t> marker() const { return marker_; }
   [[nodiscard]] std::int64_t step() const { return step_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
   int body_;
+  std::optional<std::size_t> marker_;
   std::int64_t step_;
   std::string reason_;
 };
