@@ -1,0 +1,193 @@
+// A rigid body that a fluid carries, by multi-direct forcing.
+//
+// The body is a set of markers on its surface. Fluid fills it inside and out; the markers' force F
+// on the fluid makes that surface move rigidly. In each time step, from t^n to t^(n+1) = t^n + 1,
+// the fluid reports the marker velocities u with the force so far, and the body answers with
+//
+//     dF_m = 2 rho kappa A_m (U + omega x r_m - u_m)                                           (1)
+//
+// a few times over (Inamuro 2012, Fluid Dyn. Res. 44, 024001). A_m is the marker's area, rho = 1
+// the fluid's density; the 2 is there because u holds half of the force (Guo). The fluid answers dF
+// with du = (1/2 rho) S S^T dF, S interpolation and S^T spreading, so that (1) is Richardson's
+// iteration for no slip: a slip mode of eigenvalue lambda of S S^T A shrinks by 1 - kappa lambda
+// each time.
+//
+// U and omega are not known beforehand. Inside each answer (1) they are those for which
+//
+//     (M - M_f) [U - U_prev - g] = - sum_m F_m                                                 (2)
+//     L - L_prev                 = - sum_m r_m x F_m,     L = (I - I_f) omega                  (3)
+//
+// hold at that very moment, dF included: a 6 x 6 linear system. These are the paper's (12)-(14)
+// with Feng's force M_f (U - U_prev) for the fluid inside, but with that force and the velocities
+// at one time level, so that nothing is ever divided by M - M_f: at equal densities (2) and (3) say
+// that force and torque vanish, and U and omega are the means of the fluid's motion over the
+// surface. L changes with the orientation, which is the gyroscopic term. A uniform driving force of
+// the fluid acts on the fluid inside too, and is not added again.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace ductile::rigid {
+
+/// Markers on a body's surface (and inside it, see lined()), in the body frame: axes fixed to the
+/// body, origin at its centre of mass.
+struct Surface {
+  std::vector<Eigen::Vector3d> markers;
+  std::vector<double> areas;  ///< of each marker
+};
+
+/// A homogeneous solid.
+struct Solid {
+  double volume = 0;
+  /// Moments of inertia about the centre of mass per unit density, body frame:
+  /// the integral of |r|^2 1 - r r^T over the volume.
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+};
+
+/// The ball of `radius` a: volume 4/3 pi a^3, inertia 2/5 a^2 of that. Its markers may well lie at
+/// a slightly smaller radius, to make up for the width of the kernel. Throws std::invalid_argument
+/// unless radius > 0.
+Solid ball(double radius);
+
+/// What moves a body.
+enum class Motion {
+  free,        ///< the fluid and gravity
+  prescribed,  ///< velocities given from outside; the body reports the force that it takes
+};
+
+/// All in lattice units (dx = dt = rho = 1, rho the fluid's density).
+struct Options {
+  Motion motion = Motion::free;
+  double density_ratio = 1;  ///< solid to fluid; not used by a prescribed motion
+  /// Acceleration. What acts on a free body is (M - M_f) g: the fluid is meant to feel no gravity,
+  /// its hydrostatic pressure being the buoyancy.
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  /// Answers (1) in a time step. With kappa = 2 a smooth slip falls to 8e-4 in five, which is below
+  /// what the kernel cannot resolve anyway (about 1e-2 of the velocity, at single markers).
+  int corrections = 5;
+  /// kappa. With Peskin's 4-point kernel the largest eigenvalue of S S^T A is that of smooth modes,
+  /// 0.38 (sum phi^2 = 3/8; a = 4 to 18, marker spacings 0.8 and 1.2), so that kappa < 5.2 would
+  /// converge, 2.6 fastest. Two surfaces that touch have twice that eigenvalue and need
+  /// kappa < 2.6; 2 serves both.
+  double relaxation = 2;
+};
+
+/// Adds as many inner shells as a free body with these options needs to be stable (see Body), none
+/// unless it is light and large; the markers given stay the first. Shells are copies of the
+/// surface, shrunk towards the centre of mass, each 3 lattice spacings inside the one before. They
+/// make the fluid inside move with the body, as Feng's force takes for granted. Throws
+/// std::invalid_argument as Body does, except for a body that is too light with any number of
+/// shells (density_ratio below about 0.2): Body then does.
+Surface lined(Surface surface, const Solid& solid, const Options& options);
+
+/// A body's state between time steps; with the same surface, solid and options it determines all
+/// that follows, to the last bit.
+struct State {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< centre of mass; never wrapped
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< that moved it here in the last step
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< body frame to space frame
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< space frame; that turned it here
+};
+
+/// Velocity that the surface has and the fluid does not: |U + omega x r_m - u_m|.
+struct Slip {
+  double max = 0;
+  double rms = 0;  ///< weighted with the areas
+};
+
+/// A body left the range in which a time step means anything. It is as it was before that step.
+class BlowUp : public std::runtime_error {
+ public:
+  BlowUp(const std::string& reason, std::size_t marker)
+      : std::runtime_error(reason), marker_(marker) {}
+  /// The marker that moved furthest, or not to a finite place.
+  [[nodiscard]] std::size_t marker() const { return marker_; }
+
+ private:
+  std::size_t marker_;
+};
+
+/// A rigid body. Each time step is predict_force(), corrections() times correct_force(), advance(),
+/// in this order. All spans hold 3 marker_count() numbers, x y z of each marker in turn, space
+/// frame, lattice units; the wrong size throws std::invalid_argument. Nothing is collective.
+class Body {
+ public:
+  /// Throws std::invalid_argument for a surface, solid, options or state out of bounds, and for a
+  /// free body too light for its size. Where M < M_f the body pushes the fluid the wrong way, which
+  /// must not outweigh the fluid that follows the markers within a step: a layer about as wide as
+  /// the kernel. For a lump of fluid that answers with the eigenvalue lambda, (2) is stable if
+  /// M_f - M < A/lambda = 2.6 A; with the lattice Boltzmann fluid it was at 2.5 A (a = 12 to 24,
+  /// tau = 0.52 to 1, with and without inner shells), and not at 3 A. So 2.5 A is the bound, for
+  /// translation, and alike for every rigid motion. For a sphere it is density_ratio >= 1 - 7.5/a:
+  /// none up to a = 7.5, 0.5 at a = 15. A relaxation under 1.7 lowers it, as then the corrections
+  /// do not converge.
+  Body(Surface surface, const Solid& solid, const Options& options, const State& state);
+
+  /// n, constant.
+  [[nodiscard]] std::size_t marker_count() const { return surface_.markers.size(); }
+  /// Markers, from position and orientation afresh each step: the shape does not drift. Valid until
+  /// advance().
+  [[nodiscard]] std::span<const double> positions() const { return positions_; }
+  /// Options::corrections.
+  [[nodiscard]] int corrections() const { return options_.corrections; }
+
+  /// force <- 0: all of it takes the fluid's velocity to know. Begins a step.
+  void predict_force(std::span<double> force);
+  /// increment <- (1), given the fluid's velocity u at the markers with the force so far.
+  void correct_force(std::span<const double> velocity, std::span<double> increment);
+  /// Moves the body by one step with the U and omega of the last correction: x + U, and the
+  /// rotation by |omega| about omega. `velocity`, the fluid's at the markers with the whole force,
+  /// only tells the slip. Throws BlowUp if a marker would move by more than half a lattice spacing
+  /// or to no finite place; the state is then that before the step.
+  void advance(std::span<const double> velocity);
+
+  /// Sets the motion of a prescribed body from the next step on. Throws std::logic_error if free.
+  void prescribe(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity);
+
+  [[nodiscard]] const State& state() const { return state_; }
+  /// Force of the surrounding fluid on the solid in the last step, without buoyancy: minus the
+  /// markers' force, plus Feng's M_f (U - U_prev).
+  [[nodiscard]] const Eigen::Vector3d& hydrodynamic_force() const { return hydrodynamic_force_; }
+  /// Torque about the centre of mass, alike.
+  [[nodiscard]] const Eigen::Vector3d& hydrodynamic_torque() const { return hydrodynamic_torque_; }
+  /// Slip that the last step left.
+  [[nodiscard]] const Slip& slip() const { return slip_; }
+
+ private:
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+  void place_markers();
+  void check_size(std::span<const double> values) const;
+  // A body-frame tensor applied to a space-frame vector.
+  [[nodiscard]] Eigen::Vector3d apply_turned(const Eigen::Matrix3d& tensor,
+                                             const Eigen::Vector3d& vector) const;
+  // Per unit density, at t^(n-1).
+  [[nodiscard]] Eigen::Vector3d angular_momentum_before() const;
+
+  Surface surface_;
+  Solid solid_;
+  Options options_;
+  State state_;
+  Eigen::LLT<Matrix6d> balance_;  // of (2) and (3) with (1), body frame
+
+  std::vector<Eigen::Vector3d> arms_;  // r_m, space frame
+  std::vector<double> positions_;
+
+  // The step under way: U and omega, and the markers' total force and torque on the fluid.
+  Eigen::Vector3d velocity_, angular_velocity_;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), torque_ = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d hydrodynamic_force_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d hydrodynamic_torque_ = Eigen::Vector3d::Zero();
+  Slip slip_;
+};
+
+}  // namespace ductile::rigid

@@ -1,0 +1,304 @@
+#include "ductile/rigid/body.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+namespace ductile::rigid {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+// Largest eigenvalue of S S^T A for Peskin's 4-point kernel on a smooth surface.
+constexpr double largest_response = 0.381;
+// M_f - M per area that the fluid next to the surface holds, see Body::Body.
+constexpr double least_fluid = 2.5;
+// Shells at this distance do not feel each other's kernel.
+constexpr double shell_spacing = 3;
+// A step that moves a marker further is at 0.87 of the speed of sound: long past the lattice
+// Boltzmann method's range.
+constexpr double largest_displacement = 0.5;
+
+template <class... Parts>
+[[noreturn]] void reject(const Parts&... parts) {
+  std::ostringstream message;
+  message << "rigid: ";
+  (message << ... << parts);
+  throw std::invalid_argument(message.str());
+}
+
+Matrix3d cross_matrix(const Vector3d& r) {
+  Matrix3d m;
+  m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
+  return m;
+}
+
+// The rotation by |omega| about omega.
+Quaterniond exponential(const Vector3d& omega) {
+  const double half = 0.5 * omega.norm();
+  const double sinc = half > 1e-4 ? std::sin(half) / half : 1 - half * half / 6;
+  Quaterniond q;
+  q.w() = std::cos(half);
+  q.vec() = 0.5 * sinc * omega;
+  return q;
+}
+
+Vector3d at(std::span<const double> values, std::size_t marker) {
+  return Eigen::Map<const Vector3d>(values.data() + 3 * marker);
+}
+
+void store(const Vector3d& value, std::span<double> values, std::size_t marker) {
+  Eigen::Map<Vector3d>(values.data() + 3 * marker) = value;
+}
+
+void check_surface(const Surface& surface) {
+  const std::size_t n = surface.markers.size();
+  if (surface.areas.size() != n)
+    reject(n, " markers have ", surface.areas.size(), " areas: give one for each");
+  for (std::size_t m = 0; m < n; ++m) {
+    if (!surface.markers[m].allFinite()) reject("marker ", m, " has no finite position");
+    if (!(surface.areas[m] > 0) || !std::isfinite(surface.areas[m]))
+      reject("area of marker ", m, " is ", surface.areas[m], ": it must be positive");
+  }
+}
+
+void check_solid(const Solid& solid) {
+  if (!(solid.volume > 0) || !std::isfinite(solid.volume))
+    reject("volume = ", solid.volume, ": it must be positive");
+  const Matrix3d& inertia = solid.inertia;
+  if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose(), 1e-12) ||
+      Eigen::LLT<Matrix3d>(inertia).info() != Eigen::Success)
+    reject("inertia must be a symmetric, positive definite 3 x 3 tensor");
+}
+
+void check_options(const Options& options) {
+  if (!(options.density_ratio > 0) || !std::isfinite(options.density_ratio))
+    reject("density_ratio = ", options.density_ratio, ": it must be positive");
+  if (!options.gravity.allFinite()) reject("gravity must be finite");
+  if (options.corrections < 1)
+    reject("corrections = ", options.corrections, ": a body needs at least 1 (default 5)");
+  const double bound = 1 / largest_response;
+  if (!(options.relaxation > 0 && options.relaxation <= bound))
+    reject("relaxation = ", options.relaxation, ": choose it above 0 and up to ", bound,
+           ", where two surfaces that touch still converge (default 2)");
+}
+
+void check_state(const State& state) {
+  if (!state.position.allFinite() || !state.velocity.allFinite() ||
+      !state.angular_velocity.allFinite())
+    reject("position and velocities must be finite");
+  if (!(std::abs(state.orientation.norm() - 1) < 1e-9))
+    reject("orientation has norm ", state.orientation.norm(), ": normalise the quaternion");
+}
+
+// sum A J^T J with J = [1, -r x], so that U + omega x r = J (U, omega).
+Matrix6d area_tensor(const Surface& surface) {
+  Matrix6d tensor = Matrix6d::Zero();
+  for (std::size_t m = 0; m < surface.markers.size(); ++m) {
+    const Matrix3d r = cross_matrix(surface.markers[m]);
+    const double area = surface.areas[m];
+    tensor.topLeftCorner<3, 3>() += area * Matrix3d::Identity();
+    tensor.topRightCorner<3, 3>() -= area * r;
+    tensor.bottomLeftCorner<3, 3>() += area * r;
+    tensor.bottomRightCorner<3, 3>() -= area * r * r;
+  }
+  return tensor;
+}
+
+// (M_f, I_f).
+Matrix6d displaced_tensor(const Solid& solid) {
+  Matrix6d tensor = Matrix6d::Zero();
+  tensor.topLeftCorner<3, 3>() = solid.volume * Matrix3d::Identity();
+  tensor.bottomRightCorner<3, 3>() = solid.inertia;
+  return tensor;
+}
+
+// The least density ratio at which a free body is stable.
+double least_density_ratio(const Matrix6d& area, const Matrix6d& displaced, double kappa) {
+  // Displaced fluid per area, in the rigid motion that has most of it: a/3 for a sphere.
+  const double thickness =
+      Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(displaced, area, Eigen::EigenvaluesOnly)
+          .eigenvalues()[5];
+  // Within the step a rigid mode of slip shrinks by (1 - kappa lambda)(M - M_f)/(2 kappa A + M -
+  // M_f) with each correction; less than 1 in magnitude for M < M_f takes
+  const double converging = 2 * kappa / (1 + std::abs(1 - kappa * largest_response));
+  return 1 - std::min(converging, least_fluid) / thickness;
+}
+
+}  // namespace
+
+Solid ball(double radius) {
+  if (!(radius > 0) || !std::isfinite(radius)) reject("radius = ", radius, ": it must be positive");
+  const double volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+  return {volume, Matrix3d::Identity() * (0.4 * volume * radius * radius)};
+}
+
+Surface lined(Surface surface, const Solid& solid, const Options& options) {
+  check_surface(surface);
+  check_solid(solid);
+  check_options(options);
+  const Surface outer = surface;
+  double radius = 0;
+  for (const Vector3d& r : outer.markers) radius = std::max(radius, r.norm());
+  const Matrix6d displaced = displaced_tensor(solid);
+  for (double inner = radius - shell_spacing;
+       inner > shell_spacing && options.motion == Motion::free &&
+       options.density_ratio <
+           least_density_ratio(area_tensor(surface), displaced, options.relaxation);
+       inner -= shell_spacing) {
+    const double scale = inner / radius;
+    for (std::size_t m = 0; m < outer.markers.size(); ++m) {
+      surface.markers.emplace_back(scale * outer.markers[m]);
+      surface.areas.push_back(scale * scale * outer.areas[m]);
+    }
+  }
+  return surface;
+}
+
+Body::Body(Surface surface, const Solid& solid, const Options& options, const State& state)
+    : surface_(std::move(surface)),
+      solid_(solid),
+      options_(options),
+      state_(state),
+      velocity_(state.velocity),
+      angular_velocity_(state.angular_velocity) {
+  check_surface(surface_);
+  check_solid(solid_);
+  check_options(options_);
+  check_state(state_);
+
+  const Matrix6d area = area_tensor(surface_);
+  const Matrix6d displaced = displaced_tensor(solid_);
+  const Matrix3d turning = area.bottomRightCorner<3, 3>();
+  const double least_turning =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(turning, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  if (marker_count() < 3 || !(least_turning > 1e-9 * turning.trace()))
+    reject(marker_count(), " markers on a line or fewer than 3: they must span a surface");
+
+  if (options_.motion == Motion::free) {
+    const double least = least_density_ratio(area, displaced, options_.relaxation);
+    if (!(options_.density_ratio >= least))
+      reject("density_ratio = ", options_.density_ratio, " is below ", least,
+             ", the least that is stable for a free body with this surface and relaxation ",
+             options_.relaxation, ": choose it larger, or add inner shells (rigid::lined)");
+    balance_.compute(2 * options_.relaxation * area + (options_.density_ratio - 1) * displaced);
+  }
+  arms_.resize(marker_count());
+  positions_.resize(3 * marker_count());
+  place_markers();
+}
+
+void Body::place_markers() {
+  const Matrix3d rotation = state_.orientation.toRotationMatrix();
+  for (std::size_t m = 0; m < marker_count(); ++m) {
+    arms_[m] = rotation * surface_.markers[m];
+    store(state_.position + arms_[m], positions_, m);
+  }
+}
+
+void Body::check_size(std::span<const double> values) const {
+  if (values.size() != 3 * marker_count())
+    reject("got ", values.size(), " numbers for ", marker_count(), " markers: give 3 for each");
+}
+
+Vector3d Body::apply_turned(const Matrix3d& tensor, const Vector3d& vector) const {
+  return state_.orientation * (tensor * (state_.orientation.conjugate() * vector));
+}
+
+Vector3d Body::angular_momentum_before() const {
+  // In the last step the body turned about omega, which the turn left where it was.
+  const Vector3d& omega = state_.angular_velocity;
+  return exponential(omega).conjugate() * apply_turned(solid_.inertia, omega);
+}
+
+void Body::predict_force(std::span<double> force) {
+  check_size(force);
+  std::fill(force.begin(), force.end(), 0.0);
+  force_.setZero();
+  torque_.setZero();
+}
+
+void Body::correct_force(std::span<const double> velocity, std::span<double> increment) {
+  check_size(velocity);
+  check_size(increment);
+  const double kappa = options_.relaxation;
+
+  if (options_.motion == Motion::free) {
+    const double excess = options_.density_ratio - 1;
+    Vector3d momentum = excess * solid_.volume * (state_.velocity + options_.gravity) - force_;
+    Vector3d angular_momentum = excess * angular_momentum_before() - torque_;
+    for (std::size_t m = 0; m < marker_count(); ++m) {
+      const Vector3d drive = 2 * kappa * surface_.areas[m] * at(velocity, m);
+      momentum += drive;
+      angular_momentum += arms_[m].cross(drive);
+    }
+    const Quaterniond to_body = state_.orientation.conjugate();
+    Eigen::Matrix<double, 6, 1> balance;
+    balance << to_body * momentum, to_body * angular_momentum;
+    balance = balance_.solve(balance);
+    velocity_ = state_.orientation * balance.head<3>();
+    angular_velocity_ = state_.orientation * balance.tail<3>();
+  }
+  for (std::size_t m = 0; m < marker_count(); ++m) {
+    const Vector3d slip = velocity_ + angular_velocity_.cross(arms_[m]) - at(velocity, m);
+    const Vector3d force = 2 * kappa * surface_.areas[m] * slip;
+    store(force, increment, m);
+    force_ += force;
+    torque_ += arms_[m].cross(force);
+  }
+}
+
+void Body::advance(std::span<const double> velocity) {
+  check_size(velocity);
+  const Quaterniond rotation = exponential(angular_velocity_);
+
+  Slip slip;
+  double area = 0, furthest = 0;
+  std::size_t worst = 0;
+  for (std::size_t m = 0; m < marker_count(); ++m) {
+    const double slip_m = (velocity_ + angular_velocity_.cross(arms_[m]) - at(velocity, m)).norm();
+    slip.max = std::max(slip.max, slip_m);
+    slip.rms += surface_.areas[m] * slip_m * slip_m;
+    area += surface_.areas[m];
+    const double displacement = (velocity_ + rotation * arms_[m] - arms_[m]).norm();
+    if (!(displacement <= furthest)) {  // not a number counts as furthest
+      furthest = displacement;
+      worst = m;
+    }
+  }
+  slip.rms = std::sqrt(slip.rms / area);
+  if (!(furthest <= largest_displacement)) {
+    std::ostringstream reason;
+    reason << "a rigid body would move marker " << worst << " by " << furthest
+           << " lattice spacings in one step (limit " << largest_displacement << ")";
+    throw BlowUp(reason.str(), worst);
+  }
+
+  slip_ = slip;
+  hydrodynamic_force_ = solid_.volume * (velocity_ - state_.velocity) - force_;
+  hydrodynamic_torque_ =
+      apply_turned(solid_.inertia, angular_velocity_) - angular_momentum_before() - torque_;
+  state_.position += velocity_;
+  state_.velocity = velocity_;
+  state_.orientation = (rotation * state_.orientation).normalized();
+  state_.angular_velocity = angular_velocity_;
+  place_markers();
+}
+
+void Body::prescribe(const Vector3d& velocity, const Vector3d& angular_velocity) {
+  if (options_.motion != Motion::prescribed)
+    throw std::logic_error("rigid: a free body's motion cannot be prescribed");
+  if (!velocity.allFinite() || !angular_velocity.allFinite())
+    reject("prescribed velocities must be finite");
+  velocity_ = velocity;
+  angular_velocity_ = angular_velocity;
+}
+
+}  // namespace ductile::rigid
