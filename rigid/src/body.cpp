@@ -20,7 +20,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr double largest_response = 0.381;
 // M_f - M per area that the fluid next to the surface holds, see Body::Body.
 constexpr double least_fluid = 2.5;
-// Shells at this distance do not feel each other's kernel.
+// Shells at this distance hardly feel each other through the kernel.
 constexpr double shell_spacing = 3;
 // A step that moves a marker further is at 0.87 of the speed of sound: long past the lattice
 // Boltzmann method's range.
@@ -126,8 +126,9 @@ double least_density_ratio(const Matrix6d& area, const Matrix6d& displaced, doub
   const double thickness =
       Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(displaced, area, Eigen::EigenvaluesOnly)
           .eigenvalues()[5];
-  // Within the step a rigid mode of slip shrinks by (1 - kappa lambda)(M - M_f)/(2 kappa A + M -
-  // M_f) with each correction; less than 1 in magnitude for M < M_f takes
+  // A rigid mode of slip shrinks with each correction by
+  //     (1 - kappa lambda) (M - M_f)/(2 kappa A + M - M_f),
+  // which for M < M_f is less than 1 in magnitude if M_f - M < converging A.
   const double converging = 2 * kappa / (1 + std::abs(1 - kappa * largest_response));
   return 1 - std::min(converging, least_fluid) / thickness;
 }
