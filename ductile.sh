@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
-#   ./ductile.sh [-n RANKS] COMMAND ...    the program, under MPI on all cores (`--help` lists more)
+#   ./ductile.sh [-n RANKS] COMMAND ...    the program, `run` and `pair` on all cores
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
 #   ./ductile.sh build                     builds everything, runs nothing

@@ -275,22 +275,23 @@ void Coupler::Impl::lay_out() {
         if (!runs_on &&
             (box[axis].begin < domain[axis].begin || box[axis].end > domain[axis].end)) {
           fail(host, no_marker,
-               std::string("a vertex is within two lattice spacings of the boundary along ") +
-                   "xyz"[axis] + ", too close for the 4-point kernel; use more nodes");
+               std::string("a vertex is too close to the boundary along ") + "xyz"[axis] +
+                   " for the 4-point kernel, which reaches two nodes; use more nodes");
+          break;
+        }
+        if (runs_on && box[axis].size() > period_) {
+          fail(host, no_marker,
+               "the body is longer than the periodic channel; use a longer channel");
           break;
         }
         box[axis].begin -= margin[axis];
         box[axis].end += margin[axis];
-        if (!runs_on) {
+        if (runs_on) {
+          const int whole_vectors = (box[axis].size() + 7) / 8 * 8;
+          box[axis].end = box[axis].begin + std::min(whole_vectors, period_);
+        } else {
           box[axis].begin = std::max(box[axis].begin, domain[axis].begin);
           box[axis].end = std::min(box[axis].end, domain[axis].end);
-        } else if (box[axis].size() > period_) {
-          fail(host, no_marker,
-               "the body is longer than the periodic channel; use a longer channel");
-        } else {
-          box[axis].end =
-              std::min(box[axis].begin + (box[axis].size() + 7) / 8 * 8,  // whole vectors
-                       box[axis].begin + period_);
         }
       }
     }

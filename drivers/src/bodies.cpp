@@ -81,7 +81,8 @@ class RigidBody final : public ImmersedBody {
  private:
   static rigid::Body make(const BodyOptions& options, const LatticeSetup& lattice,
                           const BodySetup& setup) {
-    const membrane::Mesh mesh = unplaced_mesh(options, setup);
+    const membrane::Mesh mesh =
+        membrane::icosphere(setup.frequency, setup.radius - options.rigid.retraction);
     rigid::Options rigid;
     rigid.density_ratio = options.density_ratio;
     rigid.gravity = lattice.gravity;
@@ -89,7 +90,9 @@ class RigidBody final : public ImmersedBody {
     rigid::State state;
     state.position = setup.centre;
     state.orientation = Eigen::Quaterniond(setup.rotation);
-    return {{mesh.vertices, membrane::vertex_areas(mesh)}, rigid::ball(setup.radius), rigid, state};
+    const rigid::Solid ball = rigid::ball(setup.radius);
+    return {rigid::lined({mesh.vertices, membrane::vertex_areas(mesh)}, ball, rigid), ball, rigid,
+            state};
   }
 
   const LatticeSetup& lattice_;

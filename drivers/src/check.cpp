@@ -190,6 +190,18 @@ void check_geometry(const Scenario& scenario, const LatticeSetup& setup) {
                       nodes_for_gap(scenario, setup, setup.bodies[i].radius, 2)));
     }
   }
+  for (std::size_t i = 0; !scenario.channel.side_walls && i < scenario.bodies.size(); ++i) {
+    const auto [low, high] = Surface(scenario.bodies[i], setup.bodies[i]).extent(1);
+    const double middle = (setup.nodes[1] - 1) / 2.0;
+    if (setup.half_width_y - std::max(high - middle, middle - low) >= wall_gap - round_off)
+      continue;
+    throw ScenarioError("body." + scenario.bodies[i].name + ".y",
+                        fmt::format("{} reaches the periodic side at y = {}, which bodies cannot "
+                                    "cross: move it or make channel.half_width_y larger",
+                                    name(scenario, i),
+                                    std::copysign(scenario.channel.half_width_y,
+                                                  setup.bodies[i].centre.y() - middle)));
+  }
   const auto all = gaps(scenario, setup);
   // Overlaps first: no number of nodes cures them.
   for (const Gap& gap : all) {

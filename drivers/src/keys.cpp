@@ -312,6 +312,9 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
   static const std::vector<Key<R>> keys = {
       whole("iterations", &R::iterations, between(1, 100), "",
             "Iterations of multi-direct forcing in a step"),
+      number("retraction", &R::retraction, between(0, 1), "dx",
+             "How far inside of its surface a body's markers lie: the kernel makes a body felt "
+             "about 0.5 further out than its markers are; 0 is the paper's method"),
       number("edge", &R::edge, between(0.3, 4), "dx", "Mean edge of the surface's mesh"),
       whole("frequency", &R::frequency, between(0, 1024), "",
             "Mesh of 20 n^2 triangles (the paper's 20480: 32); 0: as edge demands"),

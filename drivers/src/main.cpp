@@ -90,8 +90,18 @@ int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, std::s
   broadcast(decision.scenario, comm);
   // All ranks, the first too, run the resolved text: what is in the run directory is what was run.
   const Scenario scenario = parse_scenario(decision.scenario, "scenario.toml");
+  const LatticeSetup setup = lattice_setup(scenario);
+  int ranks = 1;
+  require(MPI_Comm_size(comm, &ranks), "MPI_Comm_size");
+  if (ranks > setup.nodes[2]) {
+    if (rank == 0) {
+      std::fprintf(stderr, "ductile: %d ranks cannot share %d planes of nodes: use fewer ranks\n",
+                   ranks, setup.nodes[2]);
+    }
+    return exit_bad_input;
+  }
   const RunOptions options{decision.directory, decision.scenario, flags[2] != 0};
-  const int exit_code = run_simulation(scenario, lattice_setup(scenario), options, comm);
+  const int exit_code = run_simulation(scenario, setup, options, comm);
   if (rank == 0 && (exit_code == exit_success || exit_code == exit_blow_up)) {
     finished = decision.directory;
   }

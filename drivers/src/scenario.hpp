@@ -59,6 +59,7 @@ struct MembraneOptions {
 /// [rigid]: of every rigid body that does not say otherwise.
 struct RigidOptions {
   int iterations = 5;
+  double retraction = 0;
   double edge = 1.2;
   int frequency = 0;
   bool operator==(const RigidOptions&) const = default;

@@ -20,7 +20,7 @@ enum class RunStatus {
   decided,        ///< "decided": the verdict of the pair was clear before
   stop_distance,  ///< "stopped at dz": the particles of the pair are too far apart
   time_limit,     ///< "time limit": it reached its end time with the pair undecided
-  interrupted,    ///< "interrupted": by a signal or the limit of wall time
+  interrupted,    ///< "interrupted": by a signal
   blew_up         ///< "blew up"
 };
 std::string_view to_string(RunStatus status);

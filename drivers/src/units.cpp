@@ -35,7 +35,6 @@ BodySetup body_setup(const BodyOptions& body, const LatticeSetup& lattice) {
   setup.moduli.k_a = body.membrane.area_ratio * setup.moduli.k_s;
   setup.moduli.k_b = body.membrane.bending * setup.moduli.k_s * setup.radius * setup.radius;
   setup.moduli.k_v = body.membrane.volume_modulus * nu * nu / (W * W);
-  setup.mobility = body.membrane.mobility / nu;
   return setup;
 }
 

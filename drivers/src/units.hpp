@@ -11,15 +11,13 @@
 
 namespace ductile::drivers {
 
-/// A body in lattice units. `moduli` and `mobility` count for capsules alone.
+/// A body in lattice units. `moduli` counts for capsules alone.
 struct BodySetup {
   double radius = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   int frequency = 0;  ///< of the mesh: 20 n^2 triangles, 10 n^2 + 2 markers
   membrane::Moduli moduli;
-  double mobility =
-      0;  ///< drift velocity of the membrane per force per area, length^3/(force time)
 };
 
 /// What a scenario is in lattice units.
@@ -72,7 +70,7 @@ constexpr double paper_volume_modulus = 75000;  ///< rho nu^2/W^2
 
 /// The volume modulus used where the scenario names none, in rho nu^2/W^2: the paper's 75000, or
 /// where that is above 1.5 in lattice units, what 1.5 comes to, rounded down to three digits. The
-/// explicit scheme is stable up to about 4 lattice units.
+/// explicit scheme is stable up to 7.7 lattice units at tau = 1, less at smaller tau (check.hpp).
 double default_volume_modulus(double half_width, double nu);
 
 /// Throws ScenarioError if the Mach number is above 0.3.

@@ -61,9 +61,9 @@ void validate(const Options& options, int ranks) {
 // Zero-initialised memory on huge pages where the system grants them, so that the twenty streams of
 // a row do not exhaust the TLB.
 template <class Real>
-class Storage_ {
+class HugePages {
  public:
-  explicit Storage_(std::size_t count) : bytes_(count * sizeof(Real)) {
+  explicit HugePages(std::size_t count) : bytes_(count * sizeof(Real)) {
     constexpr std::size_t huge = std::size_t{2} << 20U;
     const std::size_t rounded = (bytes_ + huge - 1) / huge * huge;
     data_.reset(static_cast<Real*>(std::aligned_alloc(huge, rounded)));
@@ -286,7 +286,7 @@ class Populations final : public FluidImpl {
   int planes_;
   std::ptrdiff_t pitch_;
   std::ptrdiff_t stride_;
-  Storage_<Real> storage_;
+  HugePages<Real> storage_;
   bool ghosts_ready_ = false;
   // Offsets in storage_, at plane 0: of the population, and of that which a wall would reflect.
   struct Ghost {

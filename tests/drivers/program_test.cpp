@@ -40,7 +40,7 @@ class Program : public testing::Test {
         " OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ASAN_OPTIONS=detect_leaks=0 '" +
         DUCTILE_PROGRAM + "' " + arguments + " >'" + (root_ / "out").string() + "' 2>'" +
         (root_ / "err").string() + "'";
-    const int status = std::system(command.c_str());  // NOLINT(cert-env33-c)
+    const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(root_ / "out"),
             contents(root_ / "err")};
   }

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -210,14 +211,25 @@ TEST(Scenario, DocumentationNamesEveryKeyOfAResolvedFile) {
   const std::string documentation = describe_keys();
   const std::string resolved = resolved_toml(
       parse_scenario("[[body]]\nlaplace = 1\n[[body]]\nkind = 'rigid'\nz = 3\n", "c"));
-  const std::regex assignment(R"((^|\n)(\w+) = )");
   int keys = 0;
-  for (auto it = std::sregex_iterator(resolved.begin(), resolved.end(), assignment);
-       it != std::sregex_iterator(); ++it, ++keys) {
-    EXPECT_NE(documentation.find("\n  " + (*it)[2].str() + " = "), std::string::npos)
-        << (*it)[2].str();
+  std::istringstream lines(resolved);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t equals = line.find(" = ");
+    if (line.empty() || line[0] == '#' || equals == std::string::npos) continue;
+    ++keys;
+    const std::string key = line.substr(0, equals);
+    EXPECT_NE(documentation.find("\n  " + key + " = "), std::string::npos) << key;
   }
   EXPECT_GT(keys, 50);
+}
+
+/// "case.toml:LINE:COLUMN: not valid TOML: ...", on one line.
+bool is_syntax_error(const std::string& message) {
+  int line = 0;
+  int column = 0;
+  int length = 0;
+  std::sscanf(message.c_str(), "case.toml:%d:%d: not valid TOML: %n", &line, &column, &length);
+  return length > 0 && line > 0 && column > 0 && message.find('\n') == std::string::npos;
 }
 
 struct Wrong {
@@ -372,11 +384,10 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[channel]\n[channel]\n", ""},
       {"\xff\xfe", ""},
   };
-  const std::regex syntax_error(R"(case\.toml:\d+:\d+: not valid TOML: [^\n]+)");
   for (const Wrong& wrong : table) {
     const std::string message = refusal(wrong.text);
     if (wrong.message.empty()) {
-      EXPECT_TRUE(std::regex_match(message, syntax_error)) << wrong.text << "gave: " << message;
+      EXPECT_TRUE(is_syntax_error(message)) << wrong.text << "gave: " << message;
     } else {
       EXPECT_EQ(message, wrong.message) << wrong.text;
     }

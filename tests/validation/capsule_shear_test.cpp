@@ -69,7 +69,7 @@ TEST(SkalakCapsule, DeformsInWeakShearAsSmallDeformationTheorySays) {
       moduli.k_a = C * moduli.k_s;
       moduli.k_v = moduli.k_s;  // its pressure scale, k_s/r, is small against it
       Shear shear(50, 50, r, rate, moduli);
-      const double D = shear.deformation_at(0.25);
+      const double D = shear.deformation_at(0.6);  // shape modes relax within 0.1 or so
       error[r == 5 ? 0 : 1] = D / Ca / slope - 1;
       std::printf("C = %g, r = %d: D/Ca = %.4f (%.2f%%), volume %.1e\n", C, r, D / Ca,
                   100 * (D / Ca / slope - 1), shear.capsule().volume_error());

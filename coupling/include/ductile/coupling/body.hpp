@@ -5,9 +5,9 @@
 //
 //   1.  F  = body.predict_force()                    what the body knows without asking the fluid
 //   2.  as often as body.corrections() says:
-//           u  = S u0 + (1/2 rho) S S^T F            the fluid's velocity with all force so far
+//           u  = S u0 + S S^T F/(2 rho)              the fluid's velocity with all force so far
 //           F += body.correct_force(u, response)
-//   3.  u  = S u0 + (1/2 rho) S S^T F
+//   3.  u  = S u0 + S S^T F/(2 rho)
 //       body.advance(u)                              markers move to x^(n+1)
 //   4.  the fluid collides and streams with the force density S^T F
 //
@@ -35,12 +35,12 @@
 namespace ductile::coupling {
 
 /// The fluid's instantaneous answer to forces at a body's own markers, with those markers fixed at
-/// x^n: the linear map F -> (1/2 rho) S S^T F. Symmetric and positive semi-definite; local to the
+/// x^n: the linear map F -> S S^T F/(2 rho). Symmetric and positive semi-definite; local to the
 /// rank that owns the body, so a solver may call it as often as it likes.
 class Response {
  public:
   virtual ~Response() = default;
-  /// velocity <- (1/2 rho) S S^T force; both 3n, interlaced x y z. Not collective.
+  /// velocity <- S S^T force/(2 rho); both 3n, interlaced x y z. Not collective.
   virtual void apply(std::span<const double> force, std::span<double> velocity) const = 0;
 };
 
