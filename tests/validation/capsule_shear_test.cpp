@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "validation/support.hpp"
 
@@ -80,9 +83,10 @@ TEST(SkalakCapsule, DeformsInWeakShearAsSmallDeformationTheorySays) {
 }
 
 // Pozrikidis 1995, Ramanujan & Pozrikidis 1998, Eggleton & Popel 1998, Doddi & Bagchi 2008: neo-
-// Hookean capsules, Ca_E = eta rate a/E_s with E_s = 3 G_s = k_s. Steady Taylor deformation and the
-// way there.
-void neo_hookean(double Ca, double low, double high, const char* curve) {
+// Hookean capsules, Ca_E = eta rate a/E_s with E_s = 3 G_s = k_s. The authors differ by 7%:
+// Taylor's deformation must be within 5% of what lies between them, on the way and in the steady
+// state.
+void neo_hookean(double Ca, double low, double high, const std::vector<std::string>& curves) {
   constexpr int a = 8;
   const double rate = 0.1 * eta / (a * a);  // Re = 0.1
   membrane::Moduli moduli;
@@ -91,17 +95,27 @@ void neo_hookean(double Ca, double low, double high, const char* curve) {
   moduli.k_v = moduli.k_s;
   Shear shear(8 * a, 8 * a, a, rate, moduli);
   for (double strain = 0.5; strain <= 2; strain += 0.5) {
-    // the digitised points nearest on either side
-    const auto points = test::reference_curve(curve);
-    const auto above = std::find_if(points.begin() + 1, points.end(),
-                                    [&](const auto& p) { return p[0] >= strain; });
-    ASSERT_NE(above, points.end());
-    const auto& [t1, d1] = *above;
-    const auto& [t0, d0] = *(above - 1);
-    const double expected = d0 + (d1 - d0) * (strain - t0) / (t1 - t0);
+    double least = std::numeric_limits<double>::infinity();
+    double most = 0;
+    for (const std::string& curve : curves) {
+      auto points = test::reference_curve("capsule_shear_neo_hookean/" + curve);
+      std::sort(points.begin(), points.end());
+      const auto above =
+          std::find_if(points.begin(), points.end(), [&](const auto& p) { return p[0] >= strain; });
+      if (above == points.begin() || above == points.end()) continue;
+      const auto& [t1, d1] = *above;
+      const auto& [t0, d0] = *(above - 1);
+      if (t1 - t0 > 1) continue;  // too far apart to read between
+      const double d = d0 + (d1 - d0) * (strain - t0) / (t1 - t0);
+      least = std::min(least, d);
+      most = std::max(most, d);
+    }
+    ASSERT_GT(most, 0) << "at strain " << strain;
     const double D = shear.deformation_at(strain);
-    std::printf("Ca_E = %g, strain %g: D = %.4f, published %.4f\n", Ca, strain, D, expected);
-    EXPECT_NEAR(D, expected, 0.05 * expected) << "at strain " << strain;
+    std::printf("Ca_E = %g, strain %g: D = %.4f, published %.4f to %.4f\n", Ca, strain, D, least,
+                most);
+    EXPECT_GT(D, 0.95 * least) << "at strain " << strain;
+    EXPECT_LT(D, 1.05 * most) << "at strain " << strain;
   }
   const double D = shear.deformation_at(5);
   std::printf("Ca_E = %g, strain 5: D = %.4f, published %.3f to %.3f; volume %.1e\n", Ca, D, low,
@@ -110,10 +124,13 @@ void neo_hookean(double Ca, double low, double high, const char* curve) {
   EXPECT_LT(D, 1.05 * high);
 }
 TEST(NeoHookeanCapsule, DeformsInShearAsPublishedAtSmallCapillaryNumber) {
-  neo_hookean(0.05, 0.261, 0.279, "capsule_shear_neo_hookean/pozrikidis1995_ca_0.05.csv");
+  neo_hookean(0.05, 0.261, 0.279,
+              {"pozrikidis1995_ca_0.05.csv", "pozrikidis1998_ca_0.05.csv", "bagchi_ca0.05.csv"});
 }
 TEST(NeoHookeanCapsule, DeformsInShearAsPublishedAtLargeCapillaryNumber) {
-  neo_hookean(0.2, 0.492, 0.500, "capsule_shear_neo_hookean/pozrikidis1995_ca_0.2.csv");
+  neo_hookean(0.2, 0.492, 0.500,
+              {"pozrikidis1995_ca_0.2.csv", "pozrikidis1998_ca_0.2.csv", "bagchi2008_ca_0.2.csv",
+               "eggleton1998_ca_0.2.csv"});
 }
 
 }  // namespace
