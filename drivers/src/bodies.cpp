@@ -65,11 +65,18 @@ class CapsuleBody final : public ImmersedBody {
 class RigidBody final : public ImmersedBody {
  public:
   RigidBody(const BodyOptions& options, const LatticeSetup& lattice, const BodySetup& setup)
-      : lattice_(lattice), body_(make(options, lattice, setup)), markers_(body_) {}
+      : lattice_(lattice),
+        body_(make(options, lattice, setup)),
+        markers_(body_),
+        surface_(static_cast<std::size_t>(3 * (10 * setup.frequency * setup.frequency + 2))) {}
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
-  [[nodiscard]] std::span<const double> positions() const override { return body_.positions(); }
-  [[nodiscard]] std::span<const double> velocities() const override { return markers_.velocity(); }
+  [[nodiscard]] std::span<const double> positions() const override {
+    return body_.positions().first(surface_);
+  }
+  [[nodiscard]] std::span<const double> velocities() const override {
+    return markers_.velocity().first(surface_);
+  }
   [[nodiscard]] std::span<const double> forces() const override { return {}; }
   [[nodiscard]] BodySample sample() const override {
     BodySample sample;
@@ -98,6 +105,7 @@ class RigidBody final : public ImmersedBody {
   const LatticeSetup& lattice_;
   rigid::Body body_;
   RigidMarkers markers_;
+  std::size_t surface_;  // numbers of the mesh's vertices, which come before any inside the body
 };
 
 }  // namespace
