@@ -91,7 +91,7 @@ case ${1:-} in
     make_target ductile
     if [ "$ranks" -eq 1 ]; then exec "$build/drivers/ductile" "$@"; fi
     [ ! -t 2 ] || export DUCTILE_LIVE=1
-    exec mpirun --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@"
+    exec mpirun --quiet --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@"
     ;;
   *)
     make_target ductile
