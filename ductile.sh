@@ -20,7 +20,7 @@ install_missing() {
   local missing=() package
   for package in "${packages[@]}"; do
     case $'\n'$installed in
-      *$'\n'"ii $package"$'\n'*) ;;
+      *$'\n'?"i $package"$'\n'*) ;;
       *) missing+=("$package") ;;
     esac
   done
@@ -68,7 +68,7 @@ ranks=$(nproc)
 if [ "${1:-}" = -n ]; then
   ranks=${2:-}
   case $ranks in
-    '' | *[!0-9]* | 0) say "-n takes a number of ranks, at least 1, not '$ranks'"; exit 2 ;;
+    '' | *[!0-9]* | 0*) say "-n takes a number of ranks, at least 1, not '$ranks'"; exit 2 ;;
   esac
   shift 2
 fi
@@ -91,7 +91,7 @@ case ${1:-} in
     make_target ductile
     if [ "$ranks" -eq 1 ]; then exec "$build/drivers/ductile" "$@"; fi
     [ ! -t 2 ] || export DUCTILE_LIVE=1
-    exec mpirun --quiet --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@"
+    exec mpirun --quiet --bind-to none --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@"
     ;;
   *)
     make_target ductile

@@ -262,6 +262,18 @@ std::optional<fluid::Box> Coupler::Impl::stencil_box(const Host& host) {
   return box;
 }
 
+// The host's marker of lowest or highest coordinate.
+std::size_t extreme_marker(const Host& host, std::size_t axis, bool lowest) {
+  const std::span<const double> x = host.body->positions();
+  std::size_t found = 0;
+  for (std::size_t m = 1; m < x.size() / 3; ++m) {
+    const double here = x[3 * m + axis];
+    const double best = x[3 * found + axis];
+    if (lowest ? here < best : here > best) found = m;
+  }
+  return found;
+}
+
 // Lays the boxes around the bodies, and finds out which ranks they touch.
 void Coupler::Impl::lay_out() {
   const fluid::Box domain = fluid_.domain();
@@ -274,8 +286,11 @@ void Coupler::Impl::lay_out() {
         const bool runs_on = axis == 2 && period_ > 0;
         if (!runs_on &&
             (box[axis].begin < domain[axis].begin || box[axis].end > domain[axis].end)) {
-          fail(host, no_marker,
-               std::string("a vertex is too close to the boundary along ") + "xyz"[axis] +
+          const std::size_t vertex =
+              extreme_marker(host, axis, box[axis].begin < domain[axis].begin);
+          fail(host, static_cast<int>(vertex),
+               "vertex " + std::to_string(vertex) + " is too close to the boundary along " +
+                   "xyz"[axis] +
                    " for the 4-point kernel, which reaches two nodes; use more nodes");
           break;
         }

@@ -359,6 +359,10 @@ class Reader {
       if (table == nullptr)
         document_.fail("body", element, "must be an array of tables: write [[body]]");
       s.bodies.push_back(read_body(*table, i, s));
+      if (s.bodies.back().name == "fluid") {
+        document_.fail("body.name", named(*table),
+                       "is \"fluid\", which names the fluid in the output: call it otherwise");
+      }
       if (!names.insert(s.bodies.back().name).second) {
         document_.fail("body.name", named(*table),
                        fmt::format("two bodies are called {}: give each its own name",

@@ -27,8 +27,10 @@ namespace ductile::drivers {
 namespace {
 
 volatile std::sig_atomic_t stop_requested = 0;
-extern "C" void request_stop(int /*signal*/) {
+// Once: a second signal ends the program at once.
+extern "C" void request_stop(int signal) {
   stop_requested = 1;
+  std::signal(signal, SIG_DFL);
 }
 
 void check(int code, const char* call) {
@@ -141,9 +143,10 @@ class Recorder {
         // An oscillating pair's strain swings along.
         const bool swings = pair() && (judge_.verdict().pair_class == PairClass::damped ||
                                        judge_.verdict().pair_class == PairClass::bounded);
-        if (capsule.strain && !capsule.strain->settled && capsule.strain->rate > 0 && !swings) {
+        if (capsule.strain && !capsule.strain->settled && !swings) {
           summary.warnings.push_back("the strain energy of " + options.name +
-                                     " still grows; see doc/equations.md on the mobility");
+                                     (capsule.strain->rate > 0 ? " still grows" : " still falls") +
+                                     "; see doc/equations.md on the mobility");
         }
         body.capsule = capsule;
       }
@@ -470,7 +473,7 @@ int Simulation::run(const RunOptions& options) {
     return finish(status, std::nullopt, MPI_Wtime() - start);
   } catch (const coupling::BodyFailure& failure) {
     return blew_up({failure.step(), scenario_.bodies[static_cast<std::size_t>(failure.body())].name,
-                    std::nullopt, failure.reason()});
+                    failure.marker(), failure.reason()});
   } catch (const FluidBlowUp& failure) {
     return blew_up({fluid_.time(), "", std::nullopt, failure.what()});
   }

@@ -29,7 +29,7 @@ std::string_view to_string(RunStatus status);
 struct BlowUp {
   std::int64_t step = 0;
   std::string body;                    ///< empty: the fluid
-  std::optional<std::int64_t> vertex;  ///< of the body, where one is known
+  std::optional<std::size_t> vertex;  ///< of the body, where one is known
   std::string reason;
 };
 

@@ -26,7 +26,9 @@ BodySetup body_setup(const BodyOptions& body, const LatticeSetup& lattice) {
   const bool capsule = body.kind == BodyKind::capsule;
   const int frequency = capsule ? body.membrane.frequency : body.rigid.frequency;
   const double edge = capsule ? body.membrane.edge : body.rigid.edge;
-  setup.frequency = frequency > 0 ? frequency : membrane::frequency_for_edge(setup.radius, edge);
+  // One that cannot fit is refused later, without the cost of its mesh.
+  const double meshed = std::min(setup.radius, lattice.half_width);
+  setup.frequency = frequency > 0 ? frequency : membrane::frequency_for_edge(meshed, edge);
   if (!capsule) return setup;
   const double nu = lattice.nu;
   const double W = lattice.half_width;

@@ -7,7 +7,7 @@ foreach(name 1 2 3 again)
     set(ranks 1)
   endif()
   execute_process(
-    COMMAND ${MPIEXEC} --oversubscribe -n ${ranks} ${PROGRAM} run ${SCENARIO} -o ${WORK}/${name}
+    COMMAND ${MPIEXEC} --bind-to none --oversubscribe -n ${ranks} ${PROGRAM} run ${SCENARIO} -o ${WORK}/${name}
     RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
   message("${out}")
   if(NOT code EQUAL 0)

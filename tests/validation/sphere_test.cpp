@@ -2,10 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "ductile/fluid/duct.hpp"
-#include "validation/support.hpp"
+#include "validation/sphere_array.hpp"
 
 namespace {
 
@@ -49,6 +50,13 @@ TEST(FreeSphere, OfTheSizeOfThePapersMovesOnTheAxisAsExpected) {
   EXPECT_NEAR(axial_velocity(0.4), 0.9095 + 0.005, 0.015 * 0.9145);
 }
 
+// Zick & Homsy 1982, table 2, volume fraction 0.343: the gaps are a sixth of the diameter.
+TEST(SphereArray, DragIsThatOfZickAndHomsyInADenseArray) {
+  const double K = test::drag_coefficient(80, 0.434245 * 80, 15.4, test::retraction);
+  std::printf("R/L = 0.434245, L = 80: K = %.3f, %+.2f%%\n", K, 100 * (K / 15.4 - 1));
+  EXPECT_NEAR(K, 15.4, 0.05 * 15.4);
+}
+
 // Force on a sphere driven towards a plane wall, over 6 pi eta a U, as its gap passes through
 // `gap`; walls are at both ends of z, 20 a apart.
 double wall_resistance(double radius, double gap) {
@@ -61,7 +69,8 @@ double wall_resistance(double radius, double gap) {
   rigid::Options towards;
   towards.motion = rigid::Motion::prescribed;
   const double height = radius + gap + speed * steps;
-  rigid::Body body = test::sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5});
+  rigid::Body body =
+      test::sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5}, test::retraction_small);
   body.prescribe({0, 0, -speed}, Eigen::Vector3d::Zero());
   drivers::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
@@ -71,16 +80,20 @@ double wall_resistance(double radius, double gap) {
 
 // Brenner 1961, re-summed: 3.73562 at a gap of 0.4 a, 2.125536 at a gap of a.
 TEST(SphereTowardsAWall, IsResistedAsBrennersSeriesSays) {
-  EXPECT_NEAR(wall_resistance(5, 5), 2.125536, 0.1 * 2.125536);
-  EXPECT_NEAR(wall_resistance(5, 2), 3.73562, 0.1 * 3.73562);
+  const double far = wall_resistance(5, 5);
+  const double near = wall_resistance(5, 2);
+  std::printf("gap a: %.3f (2.126), gap 0.4 a: %.3f (3.736)\n", far, near);
+  EXPECT_NEAR(far, 2.125536, 0.1 * 2.125536);
+  EXPECT_NEAR(near, 3.73562, 0.1 * 3.73562);
 }
 
 // ten Cate et al. 2002, case E1: a sphere of 15 mm and 1120 kg/m^3 settles in 100 x 100 x 160 mm of
 // silicone oil (970 kg/m^3, 0.373 Pa s), its bottom 120 mm above the floor at the start.
 TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
-  constexpr double dx = 1.25e-3;
+  constexpr double dx = 0.1 / 106;
   constexpr double nu = 0.373 / 970;
-  fluid::Options options = test::box(80, 80, 128, 1.0);
+  fluid::Options options = test::box(106, 106, 170, 1.0);
+  options.storage = fluid::Storage::single_precision;
   options.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, fluid::Boundary::halfway};
   fluid::Fluid fluid(MPI_COMM_SELF, options);
   const double dt = fluid.viscosity() * dx * dx / nu;
@@ -89,7 +102,7 @@ TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
   settling.gravity = {0, 0, -9.81 * dt * dt / dx};
   constexpr double diameter = 15e-3;
   rigid::Body body = test::sphere(0.5 * diameter / dx, settling,
-                                  {39.5, 39.5, (120e-3 + 0.5 * diameter) / dx - 0.5});
+                                  {52.5, 52.5, (120e-3 + 0.5 * diameter) / dx - 0.5});
   drivers::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
 
@@ -102,13 +115,13 @@ TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
     path.push_back({static_cast<double>(fluid.time()) * dt, height / diameter, v});
   };
   record();
-  while (path.back()[1] > 0.25) {  // two lattice spacings and a half
+  while (path.back()[1] > 0.25) {  // four lattice spacings
     coupler.step();
     record();
     ASSERT_LT(path.back()[0], 6.0);
   }
   EXPECT_NEAR(fastest, 0.036, 0.05 * 0.036);
-  RecordProperty("fastest", std::to_string(fastest));
+  std::printf("fastest: %.4f m/s, published 0.036\n", fastest);
   const auto at = [&](double t, std::size_t column) {
     const auto n = static_cast<std::size_t>(t / dt);
     return path.at(std::min(n, path.size() - 1))[column];

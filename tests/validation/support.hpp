@@ -26,6 +26,8 @@ inline fluid::Options box(int nx, int ny, int nz, double tau) {
 /// How far inside of its surface a rigid body's markers stand in for it, in lattice spacings: the
 /// 4-point kernel makes the body felt so much further out (SphereArray measures it).
 constexpr double retraction = 0.5;
+/// The same for radii of about five spacings, where the drag in an array is right with this.
+constexpr double retraction_small = 0.6;
 
 /// A sphere with markers about 1.2 apart, `inwards` of its surface.
 inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,

@@ -145,7 +145,9 @@ class Fluid {
   void step();
 
   /// Density and velocity (half of the uniform force in) of the own slab: nx ny nz_own numbers,
-  /// x, y, z with z fastest; velocity holds three such arrays, one a component. Collective.
+  /// x, y, z with z fastest; velocity holds three such arrays, one a component. On the nodes of a
+  /// regularized wall the velocity is the wall's, and the density the sum of the populations as
+  /// they have arrived, before the wall's rule replaces them. Collective.
   void fields(std::span<double> density, std::span<double> velocity);
   /// Collective.
   Totals totals();
