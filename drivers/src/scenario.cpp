@@ -361,7 +361,7 @@ class Reader {
       s.bodies.push_back(read_body(*table, i, s));
       if (s.bodies.back().name == "fluid") {
         document_.fail("body.name", named(*table),
-                       "is \"fluid\", which names the fluid in the output: call it otherwise");
+                       "names the fluid in the output: call the body otherwise");
       }
       if (!names.insert(s.bodies.back().name).second) {
         document_.fail("body.name", named(*table),

@@ -354,6 +354,9 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
        "case.toml:4:5: body.a.z = 6.5: must be from -6 to 6: half of channel.length either way"},
       {capsule + "z = -3\n" + capsule,
        "case.toml:6:8: body.name = \"a\": two bodies are called \"a\": give each its own name"},
+      {"[[body]]\nname = \"fluid\"\nlaplace = 10\n",
+       "case.toml:2:8: body.name = \"fluid\": names the fluid in the output: call the "
+       "body otherwise"},
       // bodies that do not fit
       {capsule + "x = 0.7\n",
        "case.toml:4:5: body.a.x = 0.7: body \"a\" reaches 0.1 W into the wall at x = 1: move it or "
@@ -374,6 +377,12 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[channel]\nlength = 1\n[[body]]\nname = \"a\"\nlaplace = 10\nradius = 0.6\n",
        "case.toml:6:10: body.a.radius = 0.6: body \"a\" overlaps its own periodic image: make the "
        "channel longer or the body smaller"},
+      {"[channel]\nnodes = 24\nlength = 1\n" + capsule,
+       "case.toml:2:9: channel.nodes = 24: too few nodes across the gap between body \"a\" and its "
+       "own "
+       "periodic image: 2.40 lattice spacings, at least 5 needed: raise channel.nodes to 50 or "
+       "move "
+       "the body"},
       {"[channel]\nnodes = 16\n" + capsule + "radius = 0.2\n",
        "case.toml:2:9: channel.nodes = 16: too few nodes: the radius of body \"a\" is 1.6 lattice "
        "spacings, at least 2 are needed: raise channel.nodes to 20"},
