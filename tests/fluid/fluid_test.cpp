@@ -187,7 +187,12 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
   o.nodes = {8, 8, 8};
   o.force = {0, 0, 2e-3};
   Fluid fluid(MPI_COMM_WORLD, o);
-  fluid.initialise([](int, int, int) { return NodeState{1.02, {0.01, 0.02, 0.03}, {}}; });
+  fluid.initialise([](int, int, int) {
+    NodeState s;
+    s.density = 1.02;
+    s.velocity = {0.01, 0.02, 0.03};
+    return s;
+  });
   const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {6, 10}}}};  // across the periodic end
   fluid.place_boxes(boxes);
   fluid.read_velocity();

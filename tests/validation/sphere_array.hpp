@@ -1,6 +1,7 @@
 // Drag in a cubic array of spheres.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -32,13 +33,15 @@ inline double drag_coefficient(int L, double radius, double guess, double inward
   drivers::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   const auto mean_velocity = [&] { return fluid.totals().momentum.z() / cell; };
-  const int interval = static_cast<int>(0.1 * cell / (stokes * guess));
+  // Dense arrays have less momentum to lose than time to pass it on.
+  const double diffusion = L * L / (40 * eta);
+  const int interval = static_cast<int>(0.1 * std::max(cell / (stokes * guess), diffusion));
   double before = mean_velocity();
   for (int n = 0; n < 60; ++n) {
     for (int step = 0; step < interval; ++step) coupler.step();
     const double now = mean_velocity();
     // What is left of an exponential is ten times what the last tenth of its time has changed.
-    if (n > 2 && std::abs(now - before) < 3e-4 * now) break;
+    if (n > 9 && std::abs(now - before) < 3e-4 * now) break;
     before = now;
   }
   return f * cell / (stokes * mean_velocity());
