@@ -16,7 +16,6 @@ struct Array {
   int L;  // for a radius of ten lattice spacings or more
 };
 // Zick & Homsy 1982, table 2; volume fractions 0.027 to 0.216.
-// The densest array has narrow gaps and takes a finer lattice: sphere_test.cpp.
 constexpr std::array<Array, 4> table = {
     {{0.186105, 2.008, 54}, {0.248140, 2.810, 42}, {0.310175, 4.292, 34}, {0.372210, 7.442, 32}}};
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "ductile/fluid/duct.hpp"
-#include "validation/sphere_array.hpp"
+#include "validation/support.hpp"
 
 namespace {
 
@@ -48,13 +48,6 @@ TEST(FreeSphere, MovesOnTheAxisWithFaxensVelocity) {
 // At a = 0.4 W the wall's own correction counts, about 0.005 by analogy with the tube.
 TEST(FreeSphere, OfTheSizeOfThePapersMovesOnTheAxisAsExpected) {
   EXPECT_NEAR(axial_velocity(0.4), 0.9095 + 0.005, 0.015 * 0.9145);
-}
-
-// Zick & Homsy 1982, table 2, volume fraction 0.343: the gaps are a sixth of the diameter.
-TEST(SphereArray, DragIsThatOfZickAndHomsyInADenseArray) {
-  const double K = test::drag_coefficient(112, 0.434245 * 112, 15.4, test::retraction);
-  std::printf("R/L = 0.434245, L = 112: K = %.3f, %+.2f%%\n", K, 100 * (K / 15.4 - 1));
-  EXPECT_NEAR(K, 15.4, 0.05 * 15.4);
 }
 
 // Force on a sphere driven towards a plane wall, over 6 pi eta a U, as its gap passes through
