@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "ductile/membrane/integrator.hpp"
+
 namespace ductile::drivers {
 namespace {
 
@@ -283,6 +285,16 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
   return keys;
 }
 
+namespace {
+
+std::vector<std::pair<std::string_view, std::string>> integrators() {
+  std::vector<std::pair<std::string_view, std::string>> options;
+  for (const std::string_view name : membrane::integrator_names()) options.emplace_back(name, name);
+  return options;
+}
+
+}  // namespace
+
 const std::vector<Key<MembraneOptions>>& membrane_keys() {
   using M = MembraneOptions;
   static const std::vector<Key<M>> keys = {
@@ -298,7 +310,7 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
       number("mobility", &M::mobility, between(0, 0.1), "dx/eta",
              "Drift of the membrane through the fluid per elastic force per area: relaxes strain "
              "that the lattice cannot see; 0 is the paper's pure method"),
-      choice<M, std::string>("integrator", &M::integrator, {{"explicit-euler", "explicit-euler"}},
+      choice<M, std::string>("integrator", &M::integrator, integrators(),
                              "How the membrane advances in time"),
       number("edge", &M::edge, between(0.3, 4), "dx", "Mean edge of the mesh"),
       whole("frequency", &M::frequency, between(0, 1024), "",

@@ -146,6 +146,7 @@ void Capsule::advance(std::span<const double> fluid_velocity) {
   }
   petsc_check(VecAXPY(state_.positions.get(), 1.0, result_.get()));
   std::swap(state_.velocities, result_);
+  integrator_->accept();
 }
 
 double Capsule::volume_error() const {

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "adams_bashforth.hpp"
 #include "explicit_euler.hpp"
 
 namespace ductile::membrane {
@@ -17,6 +18,7 @@ std::unique_ptr<Integrator> make(const Shell& shell, Vec mobility) {
 constexpr std::pair<std::string_view, std::unique_ptr<Integrator> (*)(const Shell&, Vec)>
     schemes[] = {
         {"explicit-euler", make<ExplicitEuler>},
+        {"adams-bashforth", make<AdamsBashforth>},
 };
 
 }  // namespace
@@ -35,6 +37,12 @@ IntegratorFactory make_integrator(std::string_view name) {
   }
   throw std::invalid_argument("unknown membrane integrator '" + std::string(name) +
                               "'; known: " + known);
+}
+
+std::vector<std::string_view> integrator_names() {
+  std::vector<std::string_view> names;
+  for (const auto& [scheme, factory] : schemes) names.push_back(scheme);
+  return names;
 }
 
 }  // namespace ductile::membrane

@@ -76,6 +76,9 @@ class Capsule {
   /// Forces on the fluid in the latest step.
   [[nodiscard]] std::span<const double> forces() const;
 
+  /// What the integrator has spent.
+  [[nodiscard]] SolveStatistics statistics() const { return integrator_->statistics(); }
+
   [[nodiscard]] int corrections() const { return integrator_->corrections(); }
   /// force <- what the capsule exerts on the fluid as far as it follows from x^n. Throws BlowUp.
   void predict_force(std::span<double> force);

@@ -18,10 +18,12 @@
 
 #include <petscvec.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "ductile/membrane/petsc.hpp"
 #include "ductile/membrane/shell.hpp"
@@ -38,6 +40,15 @@ struct State {
 /// The fluid's instantaneous answer to more force at the vertices, these fixed at x^n: velocity <-
 /// R force, linear, symmetric and positive semi-definite; both 3n.
 using Response = std::function<void(std::span<const double> force, std::span<double> velocity)>;
+
+/// What a scheme has spent since it was made; zeros in a scheme that solves nothing.
+struct SolveStatistics {
+  std::int64_t solves = 0;             ///< systems of equations solved, one a substep
+  std::int64_t newton_iterations = 0;  ///< in all of them
+  std::int64_t krylov_iterations = 0;  ///< in all Newton iterations
+  std::int64_t tangents = 0;           ///< assemblies of the tangent
+  std::int64_t step_cuts = 0;          ///< steps repeated with more substeps
+};
 
 /// A scheme for one shell. It leaves the state as it finds it: its results are its last arguments.
 class Integrator {
@@ -57,14 +68,22 @@ class Integrator {
                              Vec increment);
   /// velocity <- v, given the fluid's with the whole force in.
   virtual void advance(const State& state, Vec fluid_velocity, Vec velocity) = 0;
+  /// The step is taken: what advance() gave is the state's now. A step that failed has no such
+  /// call, and the scheme must then be as it was before it.
+  virtual void accept() {}
+
+  [[nodiscard]] virtual SolveStatistics statistics() const { return {}; }
 };
 
 /// Makes a scheme for a shell and its mobility eps, 3n numbers; both must outlive the scheme.
 using IntegratorFactory =
     std::function<std::unique_ptr<Integrator>(const Shell& shell, Vec mobility)>;
 
-/// The factory of the scheme of that name: "explicit-euler". Throws std::invalid_argument, listing
-/// the names there are, for any other.
+/// The factory of the scheme of that name, one of integrator_names(). Throws std::invalid_argument,
+/// listing them, for any other.
 IntegratorFactory make_integrator(std::string_view name);
+
+/// The schemes there are.
+std::vector<std::string_view> integrator_names();
 
 }  // namespace ductile::membrane
