@@ -11,6 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "shell_math.hpp"
+
 namespace ductile::membrane {
 namespace {
 
@@ -18,24 +20,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 using std::numbers::sqrt3;
-
-Vector3d point(const double* x, int vertex) {
-  return Vector3d::Map(x + 3 * vertex);
-}
-
-// Strain energy density and its derivatives with respect to I1 and I2.
-struct Density {
-  double w, w1, w2;
-};
-
-Density strain_density(const Moduli& k, double i1, double i2) {
-  if (k.law == StrainLaw::skalak) {
-    return {k.k_s / 12 * (i1 * i1 + 2 * i1 - 2 * i2) + k.k_a / 12 * i2 * i2, k.k_s / 6 * (i1 + 1),
-            (k.k_a * i2 - k.k_s) / 6};
-  }
-  const double inverse = 1 / (i2 + 1);
-  return {k.k_s / 6 * (i1 - 1 + inverse), k.k_s / 6, -k.k_s / 6 * inverse * inverse};
-}
 
 void validate(const Moduli& moduli) {
   const std::pair<const char*, double> all[] = {
@@ -73,23 +57,13 @@ void validate(const Mesh& mesh) {
   }
 }
 
-template <class T>
-VecArray<T> array_of(Vec vec, int vertex_count) {
-  PetscInt size = 0;
-  petsc_check(VecGetLocalSize(vec, &size));
-  if (size != 3 * vertex_count) {
-    throw std::invalid_argument("shell: a vector of " + std::to_string(size) + " numbers for " +
-                                std::to_string(vertex_count) + " vertices");
-  }
-  return VecArray<T>(vec);
-}
-
 }  // namespace
 
 Shell::Shell(const Mesh& reference, const Moduli& moduli, const ShellOptions& options)
     : vertex_count_(static_cast<int>(reference.vertices.size())),
       moduli_(moduli),
       triangles_(reference.triangles),
+      open_sheet_(options.open_sheet),
       normals_(reference.triangles.size()),
       inverse_norms_(reference.triangles.size()) {
   validate(moduli);
@@ -197,6 +171,10 @@ double Shell::update_normals(const double* x) const {
   return volume / 6;
 }
 
+double Shell::pressure(double volume) const {
+  return moduli_.k_v > 0 ? moduli_.k_v * (volume - reference_volume_) / reference_volume_ : 0;
+}
+
 Shell::Angle Shell::angle(const Hinge& hinge, const double* x) const {
   const Vector3d& left = normals_[hinge.left];
   const Vector3d& right = normals_[hinge.right];
@@ -241,10 +219,8 @@ void Shell::force(Vec positions, Vec force) const {
   const auto out = array_of<double>(force, vertex_count_);
   double* f = out.data();
 
-  const double volume = update_normals(x);
   // dE_v/dV; dV/dx of a vertex is a sixth of the sum of the normals about it.
-  const double pressure =
-      moduli_.k_v > 0 ? moduli_.k_v * (volume - reference_volume_) / reference_volume_ : 0;
+  const double p = pressure(update_normals(x));
 
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Angle theta = angle(hinges_[h], x);
@@ -280,9 +256,9 @@ void Shell::force(Vec positions, Vec force) const {
     const double b0 = (b01 - b20) * scale, b1 = (b12 - b01) * scale, b2 = (b20 - b12) * scale;
 
     const Vector3d strain1 = s11 * e1 + s12 * e2, strain2 = s12 * e1 + s22 * e2;
-    Vector3d::Map(f + 3 * v0) += strain1 + strain2 - (b0 + pressure / 6) * normal;
-    Vector3d::Map(f + 3 * v1) -= strain1 + (b1 + pressure / 6) * normal;
-    Vector3d::Map(f + 3 * v2) -= strain2 + (b2 + pressure / 6) * normal;
+    Vector3d::Map(f + 3 * v0) += strain1 + strain2 - (b0 + p / 6) * normal;
+    Vector3d::Map(f + 3 * v1) -= strain1 + (b1 + p / 6) * normal;
+    Vector3d::Map(f + 3 * v2) -= strain2 + (b2 + p / 6) * normal;
   }
 }
 

@@ -1,6 +1,7 @@
 // PETSc in C++ terms: owners that destroy, array access that restores, error codes that throw.
 #pragma once
 
+#include <petscmat.h>
 #include <petscvec.h>
 
 #include <cstddef>
@@ -36,6 +37,12 @@ struct VecDestroyer {
 };
 /// Owner of a Vec; must go before PetscFinalize().
 using VecPtr = std::unique_ptr<std::remove_pointer_t<Vec>, VecDestroyer>;
+
+struct MatDestroyer {
+  void operator()(Mat mat) const noexcept { static_cast<void>(MatDestroy(&mat)); }
+};
+/// Owner of a Mat; must go before PetscFinalize().
+using MatPtr = std::unique_ptr<std::remove_pointer_t<Mat>, MatDestroyer>;
 
 /// A vector of zeros on PETSC_COMM_SELF: three numbers, interlaced, for each of `vertex_count`
 /// vertices; block size 3.

@@ -1,11 +1,13 @@
-// What the membrane's force is: energies and forces from positions. How time advances is elsewhere
-// (integrator.hpp).
+// What the membrane's force is: energies, forces and their tangent from positions. How time
+// advances is elsewhere (integrator.hpp).
 #pragma once
 
+#include <petscmat.h>
 #include <petscvec.h>
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "ductile/membrane/mesh.hpp"
@@ -83,6 +85,19 @@ class Shell {
   /// force <- -dE/dx, the force that the membrane exerts on the fluid. (The paper's F = +dE/dx
   /// with the minus of its eq. (16) is the same.) Not finite where a triangle has collapsed.
   void force(Vec positions, Vec force) const;
+
+  /// A new matrix for tangent(), all zero: MATSEQBAIJ of block size 3, both triangles, marked as
+  /// symmetric. A vertex couples with itself, its neighbours, and the vertices that face it across
+  /// an edge.
+  [[nodiscard]] MatPtr create_tangent() const;
+  /// tangent <- the Hessian d2E/dx2 = -dF/dx, less the volume energy's dense part, which
+  /// volume_stiffness() gives: exact, symmetric to the last bit, indefinite where the membrane is
+  /// compressed. Throws std::invalid_argument if `tangent` is not one that create_tangent() made.
+  void tangent(Vec positions, Mat tangent) const;
+  /// gradient <- g = dV/dx; returns c = k_v/V0, so that the whole Hessian is tangent + c g g^T. Of
+  /// an open sheet both are zero.
+  double volume_stiffness(Vec positions, Vec gradient) const;
+
   /// Of an open sheet only the area means anything.
   [[nodiscard]] Shape shape(Vec positions) const;
 
@@ -105,11 +120,18 @@ class Shell {
     double cos, sin;
     double inverse_length;  // of the edge
   };
+  // Where blocks go in the tangent (shell_tangent.cpp).
+  struct TangentPattern;
 
   void build_elements(const Mesh& reference);
   void build_hinges(const ShellOptions& options);
   // Fills normals_ and inverse_norms_; returns the enclosed volume.
   double update_normals(const double* x) const;
+  // k_v (V - V0)/V0, or 0.
+  double pressure(double volume) const;
+  const TangentPattern& tangent_pattern() const;
+  void add_hinge_tangents(const double* x, double p, double* values) const;
+  void add_triangle_tangents(const double* x, double* values) const;
   // Signed, positive where the surface is convex; from the latest normals.
   Angle angle(const Hinge& hinge, const double* x) const;
 
@@ -120,6 +142,8 @@ class Shell {
   std::vector<Hinge> hinges_;
   std::vector<double> vertex_areas_;
   double reference_volume_ = 0;
+  bool open_sheet_;
+  mutable std::shared_ptr<const TangentPattern> tangent_pattern_;  // made when first needed
 
   // Work space: the normal e1 x e2 of each triangle and 1/|e1 x e2|; dE/dtheta over its length for
   // each edge, and a last one, 0, for a sheet's rim.
