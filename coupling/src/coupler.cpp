@@ -42,6 +42,8 @@ struct Host {
   std::vector<double> velocity;  // what they answer
   std::vector<double> partial;
   std::vector<int> planes;  // first plane of each marker's stencil
+  MarkerResponse response;
+  bool located = false;  // where the markers are in this step
 };
 
 // The part of a host's markers that reaches the slab of one rank.
@@ -206,20 +208,20 @@ void Coupler::Impl::correct_forces(int round) {
     if (!takes_part(host.id, round)) continue;
     std::fill(host.force.begin(), host.force.end(), 0.0);
     guarded(host, [&](Body& body) {
-      // Made on the first call: only a body that solves asks for it.
+      // Located on the first call: only a body that solves asks for it.
       class Lazy final : public Response {
        public:
-        explicit Lazy(std::span<const double> positions) : positions_(positions) {}
+        explicit Lazy(Host& host) : host_(host) {}
         void apply(std::span<const double> force, std::span<double> velocity) const override {
-          if (!response_) response_.emplace(positions_);
-          response_->apply(force, velocity);
+          if (!host_.located) host_.response.locate(host_.body->positions());
+          host_.located = true;
+          host_.response.apply(force, velocity);
         }
 
        private:
-        std::span<const double> positions_;
-        mutable std::optional<MarkerResponse> response_;
+        Host& host_;
       };
-      body.correct_force(host.velocity, Lazy(body.positions()), host.force);
+      body.correct_force(host.velocity, Lazy(host), host.force);
     });
   }
 }
@@ -419,6 +421,7 @@ void Coupler::Impl::to_guests(int round,
 
 void Coupler::Impl::locate() {
   for (Host& host : hosts_) {
+    host.located = false;
     const std::span<const double> x = host.body->positions();
     host.planes.resize(x.size() / 3);
     for (std::size_t m = 0; m < host.planes.size(); ++m) {

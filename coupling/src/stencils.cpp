@@ -1,6 +1,7 @@
 #include "ductile/coupling/stencils.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "ductile/coupling/kernel.hpp"
@@ -100,39 +101,79 @@ void Stencils::interpolate(const fluid::Patch& patch, int period, std::span<doub
   }
 }
 
-MarkerResponse::MarkerResponse(std::span<const double> positions) {
-  stencils_.locate(positions);
+void MarkerResponse::locate(std::span<const double> positions) {
+  const std::size_t count = positions.size() / 3;
   std::array<int, 3> low{};
   std::array<int, 3> high{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t m = 0; m < stencils_.size(); ++m) {
-      const int base = stencils_[m].base[axis];
-      low[axis] = m == 0 ? base : std::min(low[axis], base);
-      high[axis] = m == 0 ? base + 4 : std::max(high[axis], base + 4);
-    }
-    patch_.begin[axis] = low[axis];
-    patch_.size[axis] = high[axis] - low[axis];
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    const int base = static_cast<int>(std::floor(positions[n])) - 1;
+    low[n % 3] = n < 3 ? base : std::min(low[n % 3], base);
+    high[n % 3] = n < 3 ? base : std::max(high[n % 3], base);
   }
-  patch_.pitch = patch_.size[2] + 2 * fluid::Patch::pad;
-  const auto count = static_cast<std::size_t>(patch_.size[0] * patch_.size[1] * patch_.pitch);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    patch_.force[axis].resize(count);
-    patch_.velocity[axis].resize(count);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    size_[axis] = static_cast<std::size_t>(high[axis] - low[axis]) + 4;
+  grid_.resize(4 * size_[0] * size_[1] * size_[2]);
+
+  markers_.resize(count);
+  for (std::size_t m = 0; m < count; ++m) {
+    const Weights x = weights(positions[3 * m]);
+    const Weights y = weights(positions[3 * m + 1]);
+    const Weights z = weights(positions[3 * m + 2]);
+    const auto offset = [&](const Weights& w, std::size_t axis) {
+      return static_cast<std::size_t>(w.base - low[axis]);
+    };
+    markers_[m].corner = (offset(x, 0) * size_[1] + offset(y, 1)) * size_[2] + offset(z, 2);
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) markers_[m].across[4 * i + j] = x.phi[i] * y.phi[j];
+    }
+    markers_[m].along = z.phi;
   }
 }
 
 void MarkerResponse::apply(std::span<const double> force, std::span<double> velocity) const {
-  for (auto& f : patch_.force) std::fill(f.begin(), f.end(), 0.0);
-  stencils_.spread(force, patch_, 0);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::transform(patch_.force[axis].begin(), patch_.force[axis].end(),
-                   patch_.velocity[axis].begin(), [](double f) { return 0.5 * f; });
+  // Two nodes at a time.
+  using Two = double __attribute__((vector_size(64)));
+  const auto get = [](const double* p) {
+    Two v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  };
+  const auto row = [this](const Marker& marker, std::size_t i, std::size_t j) {
+    return grid_.data() + 4 * (marker.corner + (i * size_[1] + j) * size_[2]);
+  };
+
+  std::fill(grid_.begin(), grid_.end(), 0.0);
+  for (std::size_t m = 0; m < markers_.size(); ++m) {
+    const Marker& marker = markers_[m];
+    const Lanes f = {force[3 * m], force[3 * m + 1], force[3 * m + 2], 0};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        double* node = row(marker, i, j);
+        const Lanes g = marker.across[4 * i + j] * f;
+        // A node at a time: what the marker before has just stored is then loaded as it was stored.
+        for (std::size_t k = 0; k < 4; ++k)
+          store(node + 4 * k, load(node + 4 * k) + marker.along[k] * g);
+      }
+    }
   }
-  std::vector<double> partial(4 * velocity.size(), 0.0);
-  stencils_.interpolate(patch_, 0, partial);
-  for (std::size_t n = 0; n < velocity.size(); ++n) {
-    const double* p = &partial[4 * n];
-    velocity[n] = ((p[0] + p[1]) + p[2]) + p[3];
+  for (std::size_t m = 0; m < markers_.size(); ++m) {
+    const Marker& marker = markers_[m];
+    Two first{};
+    Two second{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        const double* node = row(marker, i, j);
+        const double w = marker.across[4 * i + j];
+        first += w * get(node);
+        second += w * get(node + 8);
+      }
+    }
+    const auto& p = marker.along;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      velocity[3 * m + axis] =
+          0.5 * (((p[0] * first[axis] + p[1] * first[4 + axis]) + p[2] * second[axis]) +
+                 p[3] * second[4 + axis]);
+    }
   }
 }
 

@@ -41,13 +41,19 @@ class Stencils {
 /// one.
 class MarkerResponse final : public Response {
  public:
-  /// Positions: 3n numbers, not kept.
-  explicit MarkerResponse(std::span<const double> positions);
+  /// Where the markers are until the next call; 3n numbers, not kept.
+  void locate(std::span<const double> positions);
   void apply(std::span<const double> force, std::span<double> velocity) const override;
 
  private:
-  Stencils stencils_;
-  mutable fluid::Patch patch_;  // scratch around the markers
+  struct Marker {
+    std::size_t corner;             // of its stencil, in nodes of the grid
+    std::array<double, 16> across;  // phi(x) phi(y)
+    std::array<double, 4> along;    // phi(z)
+  };
+  std::vector<Marker> markers_;
+  std::array<std::size_t, 3> size_{};
+  mutable std::vector<double> grid_;  // scratch around the markers, x y z and a gap at each node
 };
 
 }  // namespace ductile::coupling
