@@ -52,7 +52,9 @@ class CapsuleBody final : public ImmersedBody {
     membrane::CapsuleOptions capsule;
     capsule.mobility = options.membrane.mobility;
     capsule.viscosity = lattice.nu;
-    capsule.integrator = membrane::make_integrator(options.membrane.integrator);
+    capsule.integrator = membrane::make_integrator(
+        options.membrane.integrator,
+        {options.membrane.theta, options.membrane.substeps, options.membrane.step_cuts});
     return std::make_unique<membrane::Capsule>(reference, placed.vertices, setup.moduli, capsule);
   }
 

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
+#include <sstream>
 #include <string_view>
 
 #include "errors.hpp"
@@ -39,6 +41,28 @@ Override parsed_set(const std::string& argument) {
                     argument));
   }
   return {argument.substr(0, equals), argument.substr(equals + 1), "--set " + argument};
+}
+
+/// `-name value -flag ...` as PETSc would read them, as entries of [petsc].
+std::vector<Override> parsed_petsc(const std::string& argument) {
+  std::istringstream words(argument);
+  std::vector<Override> entries;
+  for (std::string word; words >> word;) {
+    const bool name = word.size() > 1 && word[0] == '-' &&
+                      (std::isalpha(static_cast<unsigned char>(word[1])) != 0);
+    if (name) {
+      entries.push_back(
+          {"petsc." + word.substr(1), "true", fmt::format("--petsc \"{}\": {}", argument, word)});
+    } else if (!entries.empty() && entries.back().value == "true") {
+      entries.back().value = in_quotes(word);
+    } else {
+      throw InputError(fmt::format(
+          "--petsc \"{}\": {} is neither an option nor an option's value: write as for PETSc, "
+          "such as --petsc \"-membrane_ksp_type cg -log_view\"",
+          argument, word));
+    }
+  }
+  return entries;
 }
 
 void require_free(const std::filesystem::path& directory, bool force) {
@@ -100,13 +124,20 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
 
   std::string file;
   std::vector<std::string> sets;
+  std::vector<std::string> petsc;
   std::string directory;
   Command command;
-  const auto add_set = [&sets](CLI::App* sub) {
+  const auto add_set = [&sets, &petsc](CLI::App* sub) {
     sub->add_option("--set", sets,
                     "Another value for a key: --set channel.nodes=48, --set body.lag.x=0.1; may be "
                     "repeated")
         ->type_name("KEY=VALUE")
+        ->take_all()
+        ->allow_extra_args(false);
+    sub->add_option("--petsc", petsc,
+                    "Options of PETSc, as in [petsc]: --petsc \"-membrane_ksp_type cg -log_view\"; "
+                    "may be repeated")
+        ->type_name("OPTIONS")
         ->take_all()
         ->allow_extra_args(false);
   };
@@ -176,6 +207,10 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     }
   }
   for (const std::string& set : sets) overrides.push_back(parsed_set(set));
+  for (const std::string& options : petsc) {
+    const std::vector<Override> entries = parsed_petsc(options);
+    overrides.insert(overrides.end(), entries.begin(), entries.end());
+  }
 
   if (check->parsed()) {
     command.action = Command::Action::check;

@@ -311,7 +311,14 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
              "Drift of the membrane through the fluid per elastic force per area: relaxes strain "
              "that the lattice cannot see; 0 is the paper's pure method"),
       choice<M, std::string>("integrator", &M::integrator, integrators(),
-                             "How the membrane advances in time"),
+                             "How the membrane advances in time; implicit at any stiffness"),
+      number("theta", &M::theta, between(0.5, 1), "",
+             "Implicit integrators: 0.5 is the fluid's own answer, without slip; 1 damps most"),
+      whole("substeps", &M::substeps, between(1, 1000), "",
+            "Implicit integrators: into how many the time step is divided"),
+      whole("step_cuts", &M::step_cuts, between(0, 20), "",
+            "Implicit integrators: how often a step that was not solved is tried again with twice "
+            "as many substeps"),
       number("edge", &M::edge, between(0.3, 4), "dx", "Mean edge of the mesh"),
       whole("frequency", &M::frequency, between(0, 1024), "",
             "Mesh of 20 n^2 triangles (the paper's 20480: 32); 0: as edge demands"),

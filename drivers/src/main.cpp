@@ -77,6 +77,23 @@ Decision decide(const std::vector<std::string>& arguments) {
   return decision;
 }
 
+void petsc(PetscErrorCode code, const char* call) {
+  if (code != 0) throw std::runtime_error(std::string("PETSc: ") + call + " failed");
+}
+
+/// Gives PETSc what the scenario's [petsc] says.
+void set_petsc_options(const Scenario& scenario) {
+  for (const auto& [name, value] : scenario.petsc) {
+    petsc(PetscOptionsSetValue(nullptr, ("-" + name).c_str(),
+                               value.empty() ? nullptr : value.c_str()),
+          "PetscOptionsSetValue");
+  }
+  // PetscFinalize() prints the log; to have one takes a start.
+  PetscBool log = PETSC_FALSE;
+  petsc(PetscOptionsHasName(nullptr, nullptr, "-log_view", &log), "PetscOptionsHasName");
+  if (log == PETSC_TRUE) petsc(PetscLogDefaultBegin(), "PetscLogDefaultBegin");
+}
+
 /// Collective. `finished` is set on rank 0 to the directory of a run that has left results.
 int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, std::string& finished) {
   int rank = 0;
@@ -100,6 +117,7 @@ int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, std::s
     }
     return exit_bad_input;
   }
+  set_petsc_options(scenario);
   const RunOptions options{decision.directory, decision.scenario, flags[2] != 0};
   const int exit_code = run_simulation(scenario, setup, options, comm);
   if (rank == 0 && (exit_code == exit_success || exit_code == exit_blow_up)) {

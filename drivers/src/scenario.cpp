@@ -82,7 +82,8 @@ const std::map<std::string_view, std::vector<std::string_view>>& known_keys() {
       {"body",
        names_of(body_keys(), capsule_keys(), rigid_body_keys(), membrane_keys(), rigid_keys())},
       {"run", names_of(run_keys())},
-      {"output", names_of(output_keys())}};
+      {"output", names_of(output_keys())},
+      {"petsc", {}}};  // PETSc's own
   return known;
 }
 
@@ -281,6 +282,7 @@ class Reader {
     s.run.stop_distance = std::min(s.run.stop_distance, std::max(length - 2, length / 2));
     read_table("run", run_keys(), s.run);
     read_table("output", output_keys(), s.output);
+    read_petsc(s);
     read_bodies(s);
     check_together(s);
     return s;
@@ -344,6 +346,37 @@ class Reader {
     if (table == nullptr) return;
     check_known(*table, name + ".", names_of(keys));
     read_keys(*table, name + ".", keys, out);
+  }
+
+  void read_petsc(Scenario& s) const {
+    const auto* table = document_.root()["petsc"].as_table();
+    if (table == nullptr) return;
+    for (const auto& [key, node] : *table) {  // sorted by name
+      const std::string_view name = key.str();
+      const std::string path = "petsc." + shown_key(name);
+      const bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) != 0 &&
+                        std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                          return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '-');
+                        });
+      if (!good) {
+        document_.fail_key(path, key, node,
+                           "must be the name of a PETSc option without its dash, such as "
+                           "membrane_ksp_rtol");
+      }
+      PetscOption option{std::string(name), ""};
+      if (const auto* text = node.as_string()) {
+        option.value = text->get();
+      } else if (node.is_number()) {
+        option.value = shown(node);
+      } else if (node.is_boolean()) {
+        if (!node.value<bool>().value_or(true)) option.value = "false";
+      } else {
+        document_.fail(path, node, "must be a number, a string, or true or false");
+      }
+      if (option.value.find_first_of("\n\r") != std::string::npos)
+        document_.fail(path, node, "must be on one line");
+      s.petsc.push_back(std::move(option));
+    }
   }
 
   void read_bodies(Scenario& s) const {
@@ -503,6 +536,13 @@ std::string resolved_toml(const Scenario& s) {
   text += "\n[rigid]\n" + written(rigid_keys(), s.rigid);
   text += "\n[run]\n" + written(run_keys(), s.run);
   text += "\n[output]\n" + written(output_keys(), s.output);
+  if (!s.petsc.empty()) {
+    text += "\n[petsc]\n";
+    for (const PetscOption& option : s.petsc) {
+      text += fmt::format("{} = {}\n", option.name,
+                          option.value.empty() ? "true" : in_quotes(option.value));
+    }
+  }
   for (const BodyOptions& body : s.bodies) {
     text += "\n[[body]]\n" + written(body_keys(), body);
     if (body.kind == BodyKind::capsule) {
@@ -529,6 +569,13 @@ std::string describe_keys() {
   text += described("[[body]] of kind \"rigid\"", "and any key of [rigid]", rigid_body_keys());
   text += described("[run]", "", run_keys());
   text += described("[output]", "", output_keys());
+  text +=
+      "\n[petsc]  any option of PETSc, without its dash\n"
+      "  membrane_ksp_rtol = 0.01\n"
+      "      a number, a string, or true for an option that takes no value.\n"
+      "      The solvers of implicit integrators have the prefix membrane_; what no solver has "
+      "read "
+      "is reported.\n";
   return text;
 }
 

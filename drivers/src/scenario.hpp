@@ -51,6 +51,9 @@ struct MembraneOptions {
   double volume_modulus = 75000;
   double mobility = 1e-3;
   std::string integrator = "explicit-euler";
+  double theta = 0.5;
+  int substeps = 1;
+  int step_cuts = 0;
   double edge = 1.2;
   int frequency = 0;
   bool operator==(const MembraneOptions&) const = default;
@@ -100,6 +103,14 @@ struct OutputOptions {
   bool operator==(const OutputOptions&) const = default;
 };
 
+/// An entry of [petsc]: an option of PETSc without its dash, and its value as PETSc reads it; empty
+/// for one that takes none.
+struct PetscOption {
+  std::string name;
+  std::string value;
+  bool operator==(const PetscOption&) const = default;
+};
+
 struct Scenario {
   std::string name;
   ChannelOptions channel;
@@ -109,6 +120,7 @@ struct Scenario {
   std::vector<BodyOptions> bodies;
   RunLimits run;
   OutputOptions output;
+  std::vector<PetscOption> petsc;  ///< in the order of their names
   bool operator==(const Scenario&) const = default;
 };
 

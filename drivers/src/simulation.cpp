@@ -14,6 +14,7 @@
 #include "bodies.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/duct.hpp"
+#include "ductile/membrane/petsc.hpp"
 #include "errors.hpp"
 #include "progress.hpp"
 #include "run_directory.hpp"
@@ -106,8 +107,15 @@ class Recorder {
     return judge_.verdict().decided() && scenario_.run.until_decided ? decided : go_on;
   }
 
+  // Something to tell at once, and again in the end.
+  void warn(const std::string& warning) {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    warnings_.push_back(warning);
+  }
+
   Summary summarise(RunStatus status) const {
     Summary summary;
+    summary.warnings = warnings_;
     summary.scenario = scenario_.name;
     summary.status = status;
     if (pair()) {
@@ -172,6 +180,7 @@ class Recorder {
   std::vector<SettlingWatch> strain_;
   std::vector<double> volume_error_;
   std::optional<Surfaces> surfaces_;
+  std::vector<std::string> warnings_;
   Sample last_;
 };
 
@@ -230,6 +239,7 @@ class Simulation {
   void write_frame(bool with_fluid);
   Signal record(std::int64_t step);
   void check_fluid();
+  void report_unread_options();
   int finish(RunStatus status, std::optional<BlowUp> blow_up, double wall_time);
 
   const Scenario& scenario_;
@@ -428,6 +438,25 @@ void Simulation::check_fluid() {
   }
 }
 
+// By the end of the first step every solver has read its options. Collective.
+void Simulation::report_unread_options() {
+  std::vector<int> used;
+  for (const PetscOption& option : scenario_.petsc) {
+    PetscBool read = PETSC_FALSE;
+    membrane::petsc_check(PetscOptionsUsed(nullptr, option.name.c_str(), &read));
+    used.push_back(read == PETSC_TRUE ? 1 : 0);
+  }
+  check(MPI_Allreduce(MPI_IN_PLACE, used.data(), static_cast<int>(used.size()), MPI_INT, MPI_MAX,
+                      comm_),
+        "MPI_Allreduce");
+  if (rank_ != 0) return;
+  for (std::size_t n = 0; n < used.size(); ++n) {
+    if (used[n] != 0) continue;
+    recorder_->warn("[petsc] " + scenario_.petsc[n].name +
+                    ": nothing in this run reads this option of PETSc");
+  }
+}
+
 int Simulation::run(const RunOptions& options) {
   // A refusal to overwrite is the user's to mend; anything else here is the system's.
   int exit_code = exit_success;
@@ -461,6 +490,7 @@ int Simulation::run(const RunOptions& options) {
     Signal signal = record(0);
     while (signal == go_on && fluid_.time() < setup_.total_steps) {
       coupler_->step();
+      if (fluid_.time() == 1) report_unread_options();
       if (fluid_.time() % finite_interval == 0) check_fluid();
       signal = record(fluid_.time());
       if (progress_) progress_->update(time(), fluid_.time());

@@ -22,6 +22,8 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -48,6 +50,35 @@ struct SolveStatistics {
   std::int64_t krylov_iterations = 0;  ///< in all Newton iterations
   std::int64_t tangents = 0;           ///< assemblies of the tangent
   std::int64_t step_cuts = 0;          ///< steps repeated with more substeps
+};
+
+/// What the schemes may be told; each takes what it needs.
+struct IntegratorOptions {
+  /// Implicit schemes: how much of its own force's effect a vertex feels within the step. 1/2 is
+  /// what the fluid really answers (no slip, and the trapezoidal rule's stability); up to 1 damps
+  /// more, at the price of a slip of (2 theta - 1) R F.
+  double theta = 0.5;
+  int substeps = 1;   ///< implicit: into how many the time step is divided
+  int step_cuts = 0;  ///< implicit: how often a step that fails is tried again with twice as many
+};
+
+/// A system of equations was not solved; the state before the step is intact.
+class SolveFailure : public std::runtime_error {
+ public:
+  /// `reason` is PETSc's; `residual` the largest norm over all forces that is left, and `target`
+  /// what it should have come to, lattice units.
+  SolveFailure(const std::string& reason, int newton_iterations, int krylov_iterations,
+               double residual, double target);
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+  [[nodiscard]] int newton_iterations() const { return newton_iterations_; }
+  [[nodiscard]] int krylov_iterations() const { return krylov_iterations_; }
+  [[nodiscard]] double residual() const { return residual_; }
+
+ private:
+  std::string reason_;
+  int newton_iterations_;
+  int krylov_iterations_;
+  double residual_;
 };
 
 /// A scheme for one shell. It leaves the state as it finds it: its results are its last arguments.
@@ -80,8 +111,8 @@ using IntegratorFactory =
     std::function<std::unique_ptr<Integrator>(const Shell& shell, Vec mobility)>;
 
 /// The factory of the scheme of that name, one of integrator_names(). Throws std::invalid_argument,
-/// listing them, for any other.
-IntegratorFactory make_integrator(std::string_view name);
+/// listing them, for any other, and for options out of bounds.
+IntegratorFactory make_integrator(std::string_view name, const IntegratorOptions& options = {});
 
 /// The schemes there are.
 std::vector<std::string_view> integrator_names();

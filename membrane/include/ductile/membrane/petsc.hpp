@@ -1,8 +1,7 @@
 // PETSc in C++ terms: owners that destroy, array access that restores, error codes that throw.
 #pragma once
 
-#include <petscmat.h>
-#include <petscvec.h>
+#include <petscsnes.h>
 
 #include <cstddef>
 #include <memory>
@@ -43,6 +42,16 @@ struct MatDestroyer {
 };
 /// Owner of a Mat; must go before PetscFinalize().
 using MatPtr = std::unique_ptr<std::remove_pointer_t<Mat>, MatDestroyer>;
+
+struct KspDestroyer {
+  void operator()(KSP ksp) const noexcept { static_cast<void>(KSPDestroy(&ksp)); }
+};
+using KspPtr = std::unique_ptr<std::remove_pointer_t<KSP>, KspDestroyer>;
+
+struct SnesDestroyer {
+  void operator()(SNES snes) const noexcept { static_cast<void>(SNESDestroy(&snes)); }
+};
+using SnesPtr = std::unique_ptr<std::remove_pointer_t<SNES>, SnesDestroyer>;
 
 /// A vector of zeros on PETSC_COMM_SELF: three numbers, interlaced, for each of `vertex_count`
 /// vertices; block size 3.

@@ -1,0 +1,72 @@
+// What implicit schemes share: all but how they solve the equation of a substep.
+#pragma once
+
+#include "ductile/membrane/integrator.hpp"
+#include "step_equation.hpp"
+
+namespace ductile::membrane {
+
+/// One correction, in which the scheme solves for the force of the step; see StepEquation.
+///
+/// `substeps` divide the step in that equation, and the fluid receives the mean of their forces:
+/// at theta = 1/2 the membrane moves with the fluid's own velocity for any number of them.
+/// The solve starts from the force extrapolated from the two steps before. That is also what
+/// predict_force() gives, so that other bodies feel it within the step.
+class ImplicitStep : public Integrator {
+ public:
+  /// Throws std::invalid_argument for options out of bounds.
+  ImplicitStep(const Shell& shell, Vec mobility, const IntegratorOptions& options);
+
+  [[nodiscard]] int corrections() const override { return 1; }
+  void predict_force(const State& state, Vec force) override;
+  /// Throws SolveFailure.
+  void correct_force(const State& state, Vec fluid_velocity, const Response& response,
+                     Vec increment) override;
+  void advance(const State& state, Vec fluid_velocity, Vec velocity) override;
+  void accept() override;
+  [[nodiscard]] SolveStatistics statistics() const override { return statistics_; }
+
+ protected:
+  /// unknown <- y of the substep that the equation has begun, from the guess in it; counts into
+  /// statistics(). Throws SolveFailure.
+  virtual void solve(Vec unknown) = 0;
+
+  /// The defaults of a linear solver for the equation's operator; options come after.
+  static void set_up(KSP ksp);
+  /// |F| below which nothing can be told: round-off in the force is some 1e-14 k_s, and a capsule
+  /// at rest has no force to be relative to.
+  static double round_off(const Shell& shell);
+  StepEquation& equation() { return equation_; }
+  SolveStatistics& count() { return statistics_; }
+  /// |F| of an unknown y, over all forces.
+  double force_norm(Vec unknown);
+
+  /// The tangent is kept over solves until it is `lag` of them old, or somebody asks for a new one.
+  [[nodiscard]] bool tangent_is_due() const { return stale_; }
+  void renew_tangent() { stale_ = true; }
+  void linearise(Vec unknown);
+
+ private:
+  void step(const State& state, const Response& response, int substeps);
+
+  Vec mobility_;
+  StepEquation equation_;
+  int substeps_;
+  int step_cuts_;
+  PetscInt lag_ = 20;
+  bool lumped_ = false;
+  bool stale_ = true;
+  PetscInt age_ = 0;  // solves since the tangent was assembled
+  SolveStatistics statistics_;
+
+  VecPtr last_, before_;  // F of the two steps before
+  int steps_ = 0;         // of which so many are there
+  VecPtr drift_;          // the fluid's velocity without the capsule's own force
+  VecPtr unknown_;
+  VecPtr start_;  // positions, of a substep
+  VecPtr force_;  // of a substep; then of the step
+  VecPtr mean_;
+  VecPtr slip_;  // (2 theta - 1) R F
+};
+
+}  // namespace ductile::membrane
