@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "membrane/linear_fluid.hpp"
 #include "membrane/support.hpp"
 
 namespace ductile::membrane {
@@ -14,32 +15,8 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using test::LinearFluid;
 using test::Points;
-
-/// A uniform flow in which each marker drifts with its own force.
-struct StokesFluid {
-  Vector3d flow = Vector3d::Zero();
-  double drag_mobility = 0;
-
-  void step(Capsule& capsule) const {
-    std::vector<double> force(capsule.positions().size()), velocity = force, increment = force;
-    const auto velocity_of = [&] {
-      for (std::size_t k = 0; k < force.size(); ++k)
-        velocity[k] = flow[static_cast<Eigen::Index>(k % 3)] + drag_mobility * force[k];
-    };
-    const Response response = [&](std::span<const double> f, std::span<double> u) {
-      for (std::size_t k = 0; k < f.size(); ++k) u[k] = drag_mobility * f[k];
-    };
-    capsule.predict_force(force);
-    for (int round = 0; round < capsule.corrections(); ++round) {
-      velocity_of();
-      capsule.correct_force(velocity, response, increment);
-      for (std::size_t k = 0; k < force.size(); ++k) force[k] += increment[k];
-    }
-    velocity_of();
-    capsule.advance(velocity);
-  }
-};
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr Moduli soft{.k_s = .02, .k_a = .04, .k_b = 1e-3, .k_v = .1};
@@ -62,7 +39,7 @@ class CapsuleInFluid : public testing::Test {
 
 TEST_F(CapsuleInFluid, MovesWithAUniformFlowUndeformed) {
   Capsule capsule(sphere_, at_rest_, soft, with_mobility);
-  const StokesFluid fluid{.flow = {.01, -.02, .05}, .drag_mobility = 1};
+  const LinearFluid fluid{.flow = {.01, -.02, .05}, .drag = 1};
   const int steps = 1000;
   for (int n = 0; n < steps; ++n) fluid.step(capsule);
   // Rounding of positions of size 50, step by step.
@@ -83,7 +60,7 @@ TEST_F(CapsuleInFluid, RelaxesToItsReferenceWithFallingEnergy) {
     Moduli moduli = soft;
     moduli.law = law;
     Capsule capsule(sphere_, stretched_, moduli, without_mobility);
-    const StokesFluid fluid{.drag_mobility = 5};
+    const LinearFluid fluid{.drag = 5};
     const double initial = capsule.energies().total();
     EXPECT_GT(capsule.shape().taylor_deformation(), .14);
     double before = initial;
@@ -99,7 +76,7 @@ TEST_F(CapsuleInFluid, RelaxesToItsReferenceWithFallingEnergy) {
 }
 
 TEST_F(CapsuleInFluid, MobilityRelaxesStrainThatTheFluidDoesNotSee) {
-  const StokesFluid still{};
+  const LinearFluid still{};
   Capsule pure(sphere_, stretched_, soft, without_mobility);
   const std::vector<double> start = copy(pure.positions());
   for (int n = 0; n < 10; ++n) still.step(pure);
@@ -173,7 +150,7 @@ TEST_F(CapsuleInFluid, SchemeMayCorrectItsForceByTheFluidsResponse) {
       .mobility = 0, .integrator = [](const Shell&, Vec) { return std::make_unique<HoldStill>(); }};
   Capsule capsule(sphere_, at_rest_, soft, options);
   const std::vector<double> start = copy(capsule.positions());
-  const StokesFluid fluid{.flow = {.25, 0, -.125}, .drag_mobility = .5};
+  const LinearFluid fluid{.flow = {.25, 0, -.125}, .drag = .5};
   fluid.step(capsule);
   EXPECT_EQ(copy(capsule.positions()), start);
   EXPECT_EQ(capsule.forces()[0], -.5);
@@ -194,7 +171,7 @@ class BlowUpOf : public CapsuleInFluid {
   std::vector<double> velocity_ = force_;
 
   void SetUp() override {
-    StokesFluid{.flow = {.1, 0, 0}, .drag_mobility = 1}.step(capsule_);
+    LinearFluid{.flow = {.1, 0, 0}, .drag = 1}.step(capsule_);
     capsule_.predict_force(force_);
     velocity_.assign(force_.size(), .01);
   }
@@ -275,12 +252,6 @@ TEST_F(CapsuleInFluid, RefusesWhatItCannotBe) {
   std::vector<double> few(10);
   expect_contains(refusal([&] { capsule.predict_force(few); }), "10 numbers where 756");
   expect_contains(refusal([&] { capsule.advance(few); }), "10 numbers where 756");
-}
-
-TEST(MakeIntegrator, ListsTheKnownNamesForAnUnknownOne) {
-  const std::string text = test::refusal([] { make_integrator("explicit-eular"); });
-  test::expect_contains(text, "'explicit-eular'");
-  test::expect_contains(text, "known: explicit-euler");
 }
 
 }  // namespace
