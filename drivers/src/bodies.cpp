@@ -35,6 +35,7 @@ class CapsuleBody final : public ImmersedBody {
     BodySample sample;
     sample.position = lattice_.position(shape.centroid);
     sample.velocity = lattice_.velocity(shape.centroid - shell.shape(before.get()).centroid);
+    sample.slip = lattice_.velocity(Eigen::Vector3d::UnitX()).x() * capsule_->slip();
     sample.capsule = true;
     sample.deformation = shape.taylor_deformation();
     sample.volume_error = capsule_->volume_error();
@@ -84,6 +85,7 @@ class RigidBody final : public ImmersedBody {
     BodySample sample;
     sample.position = lattice_.position(body_.state().position);
     sample.velocity = lattice_.velocity(body_.state().velocity);
+    sample.slip = lattice_.velocity(Eigen::Vector3d::UnitX()).x() * body_.slip().max;
     return sample;
   }
 

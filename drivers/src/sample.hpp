@@ -10,6 +10,7 @@ namespace ductile::drivers {
 struct BodySample {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< volume centroid [W]; z is not wrapped
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the centroid [nu/W]
+  double slip = 0;           ///< largest of surface minus fluid velocity [nu/W]
   bool capsule = false;      ///< whether the three numbers below mean anything
   double deformation = 0;    ///< Taylor's D
   double volume_error = 0;   ///< (V - V0)/V0

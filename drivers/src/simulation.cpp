@@ -298,9 +298,9 @@ Sample Simulation::sample() {
     std::vector<double> values;
     if (const ImmersedBody* body = own(b)) {
       const BodySample s = body->sample();
-      values = {s.position.x(),  s.position.y(),       s.position.z(), s.velocity.x(),
-                s.velocity.y(),  s.velocity.z(),       s.deformation,  s.volume_error,
-                s.strain_energy, s.capsule ? 1.0 : 0.0};
+      values = {s.position.x(),  s.position.y(), s.position.z(),       s.velocity.x(),
+                s.velocity.y(),  s.velocity.z(), s.deformation,        s.volume_error,
+                s.strain_energy, s.slip,         s.capsule ? 1.0 : 0.0};
     }
     values = fetch(b, values);
     if (rank_ != 0) continue;
@@ -310,7 +310,8 @@ Sample Simulation::sample() {
     s.deformation = values[6];
     s.volume_error = values[7];
     s.strain_energy = values[8];
-    s.capsule = values[9] != 0;
+    s.slip = values[9];
+    s.capsule = values[10] != 0;
     sample.bodies.push_back(s);
   }
   return sample;

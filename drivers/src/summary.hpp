@@ -28,7 +28,7 @@ std::string_view to_string(RunStatus status);
 /// Where a run blew up.
 struct BlowUp {
   std::int64_t step = 0;
-  std::string body;                    ///< empty: the fluid
+  std::string body;                   ///< empty: the fluid
   std::optional<std::size_t> vertex;  ///< of the body, where one is known
   std::string reason;
 };

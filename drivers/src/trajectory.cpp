@@ -29,6 +29,7 @@ std::string header(const std::vector<std::string>& names, const std::vector<bool
     if (capsules[i]) {
       columns(names[i], {"deformation[1]", "volume_error[1]", "strain_energy[k_s*a^2]"});
     }
+    columns(names[i], {"slip[nu/W]"});
   }
   return line;
 }
@@ -62,10 +63,12 @@ void Trajectory::write(const Sample& sample) {
   }
   if (sample.bodies.size() == 2) add(axial_distance(sample));
   for (const auto& body : sample.bodies) {
-    if (!body.capsule) continue;
-    add(body.deformation);
-    add(body.volume_error);
-    add(body.strain_energy);
+    if (body.capsule) {
+      add(body.deformation);
+      add(body.volume_error);
+      add(body.strain_energy);
+    }
+    add(body.slip);
   }
   write_line(std::move(line));
 }

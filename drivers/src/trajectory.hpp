@@ -16,6 +16,7 @@ namespace ductile::drivers {
 ///     NAME_x[W] NAME_y[W] NAME_z[W] NAME_vx[nu/W] NAME_vy[nu/W] NAME_vz[nu/W]    of each body
 ///     dz[W] = z_lead - z_lag                                                    of a pair
 ///     NAME_deformation[1] NAME_volume_error[1] NAME_strain_energy[k_s*a^2]      of each capsule
+///     NAME_slip[nu/W]                          of each body, after those of a capsule's three
 /// Numbers have the fewest digits that read back as the same double, so equal runs give equal
 /// files. Each line is handed to the system at once: what was written survives a crash.
 class Trajectory {

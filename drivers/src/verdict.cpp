@@ -240,10 +240,10 @@ Verdict judge(const UniformSeries& dz, const std::array<UniformSeries, 2>& x,
   const bool quiet = motion.quiet();
   const bool lateral_settled = lead->settled && lag->settled;
   if (quiet && lateral_settled && distance->settled && std::abs(distance->limit) < stop_distance) {
-    const bool damped = motion.extrema_count() >= rules::damped_extrema &&
-                        motion.largest_swing() >= rules::pronounced &&
-                        motion.range(rules::quiet_time) <=
-                            rules::damped_fraction * motion.largest_swing();
+    const bool damped =
+        motion.extrema_count() >= rules::damped_extrema &&
+        motion.largest_swing() >= rules::pronounced &&
+        motion.range(rules::quiet_time) <= rules::damped_fraction * motion.largest_swing();
     const std::string settles = distance->state == Outlook::State::dying
                                     ? fmt::format("dz approaches {:.3g}", distance->limit)
                                     : fmt::format("dz rests at {:.3g}", distance->level);

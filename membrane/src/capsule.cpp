@@ -140,12 +140,16 @@ void Capsule::advance(std::span<const double> fluid_velocity) {
   integrator_->advance(state_, fluid_velocity_.get(), result_.get());
   require_finite(result_, BlowUp::Reason::velocity_not_finite);
   const std::span<const double> v = view(result_);
+  double slip = 0;
   for (int i = 0; i < vertex_count(); ++i) {
-    const double displacement = Vector3d::Map(&v[3 * i]).norm();
+    const auto velocity = Vector3d::Map(&v[3 * i]);
+    slip = std::max(slip, (velocity - Vector3d::Map(&fluid_velocity[3 * i])).squaredNorm());
+    const double displacement = velocity.norm();
     if (displacement > max_displacement) throw BlowUp(BlowUp::Reason::too_fast, i, displacement);
   }
   petsc_check(VecAXPY(state_.positions.get(), 1.0, result_.get()));
   std::swap(state_.velocities, result_);
+  slip_ = std::sqrt(slip);
   integrator_->accept();
 }
 

@@ -80,6 +80,7 @@ Sample awkward_sample(double time) {
     body.deformation = std::numeric_limits<double>::denorm_min();
     body.volume_error = -std::pow(s, -7);
     body.strain_energy = 0.1 + 0.2;
+    body.slip = 1 / s;
   }
   return sample;
 }
@@ -101,7 +102,8 @@ TEST_F(TrajectoryFile, ReadsBackBitForBit) {
   EXPECT_EQ(lines[0],
             "t[W^2/nu],lead_x[W],lead_y[W],lead_z[W],lead_vx[nu/W],lead_vy[nu/W],lead_vz[nu/W],"
             "lag_x[W],lag_y[W],lag_z[W],lag_vx[nu/W],lag_vy[nu/W],lag_vz[nu/W],dz[W],"
-            "lag_deformation[1],lag_volume_error[1],lag_strain_energy[k_s*a^2]");
+            "lead_slip[nu/"
+            "W],lag_deformation[1],lag_volume_error[1],lag_strain_energy[k_s*a^2],lag_slip[nu/W]");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
     std::vector<double> expected = {s.time};
@@ -110,9 +112,11 @@ TEST_F(TrajectoryFile, ReadsBackBitForBit) {
       expected.insert(expected.end(), body.velocity.begin(), body.velocity.end());
     }
     expected.push_back(s.bodies[0].position.z() - s.bodies[1].position.z());
+    expected.push_back(s.bodies[0].slip);
     expected.push_back(s.bodies[1].deformation);
     expected.push_back(s.bodies[1].volume_error);
     expected.push_back(s.bodies[1].strain_energy);
+    expected.push_back(s.bodies[1].slip);
     const auto fields = split(lines[i + 1], ',');
     ASSERT_EQ(fields.size(), expected.size());
     for (std::size_t j = 0; j < fields.size(); ++j) {

@@ -94,6 +94,8 @@ class Capsule {
   [[nodiscard]] Energies energies() const { return shell_.energies(state_.positions.get()); }
   /// V/V0 - 1, V0 the reference volume.
   [[nodiscard]] double volume_error() const;
+  /// Largest |v - u| of the latest step, u the fluid's velocity at the vertex.
+  [[nodiscard]] double slip() const { return slip_; }
 
  private:
   Shell shell_;
@@ -102,6 +104,7 @@ class Capsule {
   VecPtr fluid_velocity_;  // work space
   VecPtr result_;          // of the integrator, until it has passed its check
   std::unique_ptr<Integrator> integrator_;
+  double slip_ = 0;
 };
 
 }  // namespace ductile::membrane
