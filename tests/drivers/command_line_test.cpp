@@ -130,6 +130,24 @@ TEST(CommandLine, MistakesGetOneLine) {
             "absent.toml: cannot be read: No such file or directory");
 }
 
+TEST(CommandLine, PetscOptionsAreGivenAsToPetsc) {
+  const std::vector<std::string> run = {"run", scenario_dir + "/rigid.toml"};
+  const auto with = [&](const std::string& options) {
+    std::vector<std::string> arguments = run;
+    arguments.insert(arguments.end(), {"--petsc", options});
+    return arguments;
+  };
+  const std::vector<PetscOption> expected = {
+      {"log_view", ""}, {"membrane_ksp_rtol", "-1e-3"}, {"membrane_ksp_type", "cg"}};
+  EXPECT_EQ(parse_command_line(with("-membrane_ksp_type cg -membrane_ksp_rtol -1e-3 -log_view"))
+                .scenario.petsc,
+            expected);
+  EXPECT_EQ(refused(with("membrane_ksp_type cg")),
+            "--petsc \"membrane_ksp_type cg\": membrane_ksp_type is neither an option nor an "
+            "option's value: write as for PETSc, such as --petsc \"-membrane_ksp_type cg "
+            "-log_view\"");
+}
+
 TEST(CommandLine, HelpKeysAndVersionArePrinted) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{"--help"}, {"run", "--help"}, {"pair", "-h"}}) {

@@ -256,10 +256,10 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[chanel]\nnodes = 36\n", "case.toml:1:2: chanel: unknown table; did you mean \"channel\"?"},
       {"[quantum]\n",
        "case.toml:1:2: quantum: unknown table; the tables are body, channel, fluid, membrane, "
-       "output, rigid, run"},
+       "output, petsc, rigid, run"},
       {"[[bodies]]\n",
        "case.toml:1:3: bodies: unknown table; the tables are body, channel, fluid, membrane, "
-       "output, rigid, run"},
+       "output, petsc, rigid, run"},
       {"\"na\\nme\" = 1\n", "case.toml:1:1: \"na\\u000Ame\": unknown key; did you mean \"name\"?"},
       {capsule + "raduis = 0.3\n",
        "case.toml:4:1: body.a.raduis: unknown key; did you mean \"radius\"?"},
@@ -386,6 +386,15 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[channel]\nnodes = 16\n" + capsule + "radius = 0.2\n",
        "case.toml:2:9: channel.nodes = 16: too few nodes: the radius of body \"a\" is 1.6 lattice "
        "spacings, at least 2 are needed: raise channel.nodes to 20"},
+      {"[petsc]\n-membrane_ksp_type = \"cg\"\n",
+       "case.toml:2:1: petsc.-membrane_ksp_type: must be the name of a PETSc option without its "
+       "dash, such as membrane_ksp_rtol"},
+      {"[petsc]\nmembrane_ksp_rtol = [1]\n",
+       "case.toml:2:21: petsc.membrane_ksp_rtol = [1]: must be a number, a string, or true or "
+       "false"},
+      {"petsc = 3\n", "case.toml:1:9: petsc = 3: must be a table: write [petsc]"},
+      {capsule + "theta = 0.2\n",
+       "case.toml:4:9: body.a.theta = 0.2: must be a number from 0.5 to 1"},
       // no TOML at all
       {"[channel\nnodes = 3\n", ""},
       {"[channel]\nnodes = \n", ""},
@@ -401,6 +410,21 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       EXPECT_EQ(message, wrong.message) << wrong.text;
     }
   }
+}
+
+TEST(Scenario, PetscOptionsAreKeptAsPetscReadsThem) {
+  const Scenario scenario = parse_scenario(
+      "[petsc]\nmembrane_ksp_rtol = 1e-4\nmembrane_pc_type = \"icc\"\nlog_view = true\n"
+      "membrane_snes_monitor = false\nmembrane_snes_max_it = 7\n",
+      "case.toml", {set("petsc.membrane_tangent_lag", "3")});
+  const std::vector<PetscOption> expected = {{"log_view", ""},
+                                             {"membrane_ksp_rtol", "0.0001"},
+                                             {"membrane_pc_type", "icc"},
+                                             {"membrane_snes_max_it", "7"},
+                                             {"membrane_snes_monitor", "false"},
+                                             {"membrane_tangent_lag", "3"}};
+  EXPECT_EQ(scenario.petsc, expected);
+  EXPECT_EQ(parse_scenario(resolved_toml(scenario), "case.toml"), scenario);
 }
 
 TEST(Scenario, SyntaxErrorsNameTheLine) {
