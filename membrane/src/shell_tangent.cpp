@@ -56,10 +56,6 @@ void store(double* p, Column v) {
 // the machine's vectors. The others follow: below, by symmetry; on the diagonal, since a
 // translation costs nothing, each is minus the sum of its row.
 struct Shell::TangentPattern {
-  struct Pair {
-    int first, second;  // vertices, first < second
-    int upper, lower;   // PETSc's blocks
-  };
   // Two vertices a and b of an element.
   struct Place {
     int pair;
@@ -71,8 +67,9 @@ struct Shell::TangentPattern {
   };
 
   std::vector<PetscInt> rows, columns;  // compressed
-  std::vector<Pair> pairs;
+  std::vector<int> pair_of;             // of each block
   std::vector<int> diagonal;
+  int pair_count = 0;
   std::vector<std::array<Place, 3>> triangles;  // vertices 0 1, 0 2, 1 2
   std::vector<Hinge> hinges;
 
@@ -88,13 +85,11 @@ struct Shell::TangentPattern {
     }
     build_rows(shell);
 
-    std::vector<int> pair_of(columns.size());
+    pair_of.resize(columns.size());
     for (int row = 0; row < shell.vertex_count_; ++row) {
       diagonal.push_back(slot(row, row));
       for (PetscInt k = rows[row]; k < rows[row + 1]; ++k) {
-        if (columns[k] <= row) continue;
-        pair_of[k] = static_cast<int>(pairs.size());
-        pairs.push_back({row, columns[k], k, slot(columns[k], row)});
+        if (columns[k] > row) pair_of[k] = pair_of[slot(columns[k], row)] = pair_count++;
       }
     }
     const auto place = [&](const auto& vertices, int a, int b) {
@@ -185,7 +180,7 @@ void Shell::tangent(Vec positions, Mat tangent) const {
   const auto array = array_of<const double>(positions, vertex_count_);
   {
     const BlockValues values(tangent);
-    pair_blocks_.assign(pattern.pairs.size(), {});
+    pair_blocks_.assign(pattern.pair_count, {});
     const double volume = update_normals(array.data());
     add_hinge_tangents(array.data(), pressure(volume));
     add_triangle_tangents(array.data());
@@ -334,29 +329,23 @@ void Shell::add_triangle_tangents(const double* x) const {
 
 void Shell::spread_tangent(double* values) const {
   const TangentPattern& pattern = *tangent_pattern_;
-  const auto at = [values](int slot) { return values + 9 * static_cast<std::ptrdiff_t>(slot); };
-  // Of a diagonal block first minus twice its symmetric part's sum, b_ij and b_ji alike.
-  diagonal_blocks_.assign(pattern.diagonal.size(), {});
-  for (std::size_t k = 0; k < pattern.pairs.size(); ++k) {
-    const auto& [first, second, upper, lower] = pattern.pairs[k];
-    const double* b = pair_blocks_[k].values;
-    double* one = diagonal_blocks_[first].values;
-    double* two = diagonal_blocks_[second].values;
-    for (int c = 0; c < 12; c += 4) {
-      const Column v = load(b + c);
-      store(one + c, load(one + c) - v);
-      store(two + c, load(two + c) - v);
+  for (int row = 0; row < vertex_count_; ++row) {
+    // The row's sum; of symmetric sums a block and its transpose are the same part.
+    Column sum[3] = {};
+    for (PetscInt k = pattern.rows[row]; k < pattern.rows[row + 1]; ++k) {
+      if (pattern.columns[k] == row) continue;
+      const double* b = pair_blocks_[pattern.pair_of[k]].values;
+      double* out = values + 9 * static_cast<std::ptrdiff_t>(k);
+      for (int c = 0; c < 3; ++c) sum[c] += load(b + 4 * c);
+      // PETSc's blocks, too, are column-major.
+      const int down = pattern.columns[k] > row ? 1 : 4, right = 5 - down;
+      for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) out[3 * c + r] = b[right * c + down * r];
+      }
     }
-    double *u = at(upper), *l = at(lower);
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) u[3 * c + r] = l[3 * r + c] = b[4 * c + r];
-    }
-  }
-  for (std::size_t i = 0; i < pattern.diagonal.size(); ++i) {
-    const double* b = diagonal_blocks_[i].values;
-    double* d = at(pattern.diagonal[i]);
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) d[3 * c + r] = (b[4 * c + r] + b[4 * r + c]) / 2;
+    double* out = values + 9 * static_cast<std::ptrdiff_t>(pattern.diagonal[row]);
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) out[3 * c + r] = -(sum[c][r] + sum[r][c]) / 2;
     }
   }
 }

@@ -155,7 +155,7 @@ class Shell {
   struct alignas(32) Block {
     double values[12];
   };
-  mutable std::vector<Block> pair_blocks_, diagonal_blocks_;
+  mutable std::vector<Block> pair_blocks_;
 };
 
 }  // namespace ductile::membrane
