@@ -67,7 +67,7 @@ struct Shell::TangentPattern {
   };
 
   std::vector<PetscInt> rows, columns;  // compressed
-  std::vector<int> pair_of;             // of each block
+  std::vector<int> pair_of;             // of each block; of diagonal ones the last, which is unused
   std::vector<int> diagonal;
   int pair_count = 0;
   std::vector<std::array<Place, 3>> triangles;  // vertices 0 1, 0 2, 1 2
@@ -92,6 +92,8 @@ struct Shell::TangentPattern {
         if (columns[k] > row) pair_of[k] = pair_of[slot(columns[k], row)] = pair_count++;
       }
     }
+    for (const int k : diagonal) pair_of[k] = pair_count;
+    ++pair_count;
     const auto place = [&](const auto& vertices, int a, int b) {
       if (vertices[a] > vertices[b]) std::swap(a, b);
       return Place{pair_of[slot(vertices[a], vertices[b])], a, b};
@@ -266,6 +268,8 @@ void Shell::add_triangle_tangents(const double* x) const {
     const double s11 = c1 * e.a11 + c2 * g22;
     const double s12 = c1 * e.a12 - c2 * g12;
     const double s22 = c1 * e.a22 + c2 * g11;
+    // C_11 = (whole1 skew1; skew1 mixed), C_12 = (skew1 whole; mixed skew2),
+    // C_22 = (mixed skew2; skew2 whole2).
     const double mixed = c11 * e.a12 * e.a12 + c22 * g12 * g12 - c2;
     const double skew1 = c11 * e.a11 * e.a12 - c22 * g22 * g12;
     const double skew2 = c11 * e.a12 * e.a22 - c22 * g12 * g11;

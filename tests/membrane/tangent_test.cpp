@@ -94,9 +94,9 @@ struct Case {
 };
 
 // Edges of about 1.
-Mesh reference(Form form) {
-  if (form == Form::sphere) return icosphere(4, 4 / 1.2);
-  if (form == Form::biconcave) return biconcave(4, 4 / 1.2);
+Mesh reference(Form form, int frequency) {
+  if (form == Form::sphere) return icosphere(frequency, frequency / 1.2);
+  if (form == Form::biconcave) return biconcave(frequency, frequency / 1.2);
   Mesh mesh;
   for (int i = 0; i <= 6; ++i) {
     for (int j = 0; j <= 5; ++j) mesh.vertices.emplace_back(i + .5 * j, .9 * j, 0);
@@ -112,8 +112,9 @@ Mesh reference(Form form) {
 }
 
 struct Deformed {
-  explicit Deformed(const Case& c)
-      : mesh(reference(c.form)), shell(mesh, c.moduli, {.open_sheet = c.form == Form::sheet}) {
+  explicit Deformed(const Case& c, int frequency = 4)
+      : mesh(reference(c.form, frequency)),
+        shell(mesh, c.moduli, {.open_sheet = c.form == Form::sheet}) {
     test::Random random;
     // A stretch first, lest the whole stay near its volume.
     points = test::perturbed(
@@ -195,7 +196,7 @@ PetscErrorCode capture(FILE* /*file*/, const char* format, va_list arguments) {
 // PETSc differences forward with steps of 1.5e-8 |x|, |x| of all coordinates, which leaves about
 // 1e-7.
 TEST_P(Tangent, PassesPetscsJacobianTest) {
-  const Deformed d(GetParam());
+  const Deformed d(GetParam(), 2);
   Problem problem{&d.shell, d.shell.create_tangent(), d.shell.create_vec()};
   const VecPtr x = test::to_vec(d.points), f = d.shell.create_vec();
   const auto n = static_cast<PetscInt>(3 * d.points.size());
@@ -305,6 +306,17 @@ TEST(TangentMatrix, SumsTheEdgesThatTwoVerticesFaceAcross) {
   test::Random random;
   const Points points = test::perturbed(mesh.vertices, .1, random);
   const Shell shell(mesh, {.k_s = 1, .k_a = 2, .k_b = .3, .k_v = 3});
+  const MatrixXd k = whole_tangent(shell, points);
+  EXPECT_LT((k - difference_tangent(shell, points, 1e-3)).norm(), 1e-9 * k.norm());
+}
+
+// Two triangles on the same three vertices: those that face across an edge are one.
+TEST(TangentMatrix, OfAFlatBagIsRight) {
+  const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {.3, .8, .1}}, {{0, 1, 2}, {0, 2, 1}}};
+  test::Random random;
+  const Points points = test::perturbed(mesh.vertices, .1, random);
+  const Shell shell(mesh, {.k_s = 1, .k_b = .3},
+                    {.flat_reference_angles = true, .open_sheet = true});
   const MatrixXd k = whole_tangent(shell, points);
   EXPECT_LT((k - difference_tangent(shell, points, 1e-3)).norm(), 1e-9 * k.norm());
 }
