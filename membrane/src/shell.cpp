@@ -175,16 +175,6 @@ double Shell::pressure(double volume) const {
   return moduli_.k_v > 0 ? moduli_.k_v * (volume - reference_volume_) / reference_volume_ : 0;
 }
 
-Shell::Angle Shell::angle(const Hinge& hinge, const double* x) const {
-  const Vector3d& left = normals_[hinge.left];
-  const Vector3d& right = normals_[hinge.right];
-  const Vector3d edge = point(x, hinge.head) - point(x, hinge.tail);
-  const double scale = inverse_norms_[hinge.left] * inverse_norms_[hinge.right];
-  const double inverse_length = 1 / std::sqrt(edge.squaredNorm());
-  return {left.dot(right) * scale, left.cross(right).dot(edge) * (scale * inverse_length),
-          inverse_length};
-}
-
 Energies Shell::energies(Vec positions) const {
   const auto array = array_of<const double>(positions, vertex_count_);
   const double* x = array.data();

@@ -3,7 +3,9 @@
 
 #include <petscvec.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -42,6 +44,16 @@ VecArray<T> array_of(Vec vec, int vertex_count) {
                                 std::to_string(vertex_count) + " vertices");
   }
   return VecArray<T>(vec);
+}
+
+inline Shell::Angle Shell::angle(const Hinge& hinge, const double* x) const {
+  const Eigen::Vector3d& left = normals_[hinge.left];
+  const Eigen::Vector3d& right = normals_[hinge.right];
+  const Eigen::Vector3d edge = point(x, hinge.head) - point(x, hinge.tail);
+  const double scale = inverse_norms_[hinge.left] * inverse_norms_[hinge.right];
+  const double inverse_length = 1 / std::sqrt(edge.squaredNorm());
+  return {left.dot(right) * scale, left.cross(right).dot(edge) * (scale * inverse_length),
+          inverse_length};
 }
 
 }  // namespace ductile::membrane

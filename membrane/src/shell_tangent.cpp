@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "ductile/membrane/shell.hpp"
@@ -15,7 +17,7 @@
 namespace ductile::membrane {
 namespace {
 
-using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::sqrt3;
 
@@ -33,55 +35,43 @@ class BlockValues {
   double* data_ = nullptr;
 };
 
-// PETSc's blocks, too, are column-major within.
-Eigen::Map<Matrix3d> block(double* values, int slot) {
-  return Matrix3d::Map(values + 9 * static_cast<std::ptrdiff_t>(slot));
-}
+// A column of a block, and a fourth number that nobody reads.
+using Column = double __attribute__((vector_size(32)));
 
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-  return m;
+Column column(const Vector3d& v) {
+  return Column{v[0], v[1], v[2], 0};
+}
+Column load(const double* p) {
+  Column v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+void store(double* p, Column v) {
+  std::memcpy(p, &v, sizeof v);
 }
 
 }  // namespace
 
-// Only the upper triangle of the matrix is summed; mirror() makes the lower one.
+// Only the blocks above the diagonal are summed, one for each pair of vertices, in columns that fit
+// the machine's vectors. The others follow: below, by symmetry; on the diagonal, since a
+// translation costs nothing, each is minus the sum of its row.
 struct Shell::TangentPattern {
-  // The block of two vertices that lies above the diagonal.
-  struct Pair {
-    int slot;
-    bool swapped;  // it is that of (second, first)
-    void add(double* values, const Matrix3d& matrix) const {
-      if (swapped) {
-        block(values, slot) += matrix.transpose();
-      } else {
-        block(values, slot) += matrix;
-      }
-    }
-  };
-  struct Triangle {
-    std::array<int, 3> diagonal;
-    std::array<Pair, 3> pairs;  // vertices 0 1, 0 2, 1 2
+  // Two vertices a and b of an element.
+  struct Place {
+    int pair;
+    int row, column;  // a and b, or b and a, so that `row` is the pair's first
   };
   struct Hinge {
     std::array<int, 4> vertices;  // tail, head, the left triangle's other, the right one's
-    std::array<int, 4> diagonal;
-    struct Ordered {
-      int slot;
-      int row, column;  // in `vertices`
-    };
-    // Tail with head comes first, left with right last.
-    std::array<Ordered, 6> pairs;
+    std::array<Place, 6> places;  // tail with head comes first
   };
-  struct Mirror {
-    int upper, lower;
-  };
+
   std::vector<PetscInt> rows, columns;  // compressed
-  std::vector<Triangle> triangles;
+  std::vector<int> pair_of;             // of each block; of diagonal ones the last, which is unused
+  std::vector<int> diagonal;
+  int pair_count = 0;
+  std::vector<std::array<Place, 3>> triangles;  // vertices 0 1, 0 2, 1 2
   std::vector<Hinge> hinges;
-  std::vector<int> diagonals;
-  std::vector<Mirror> mirrors;
 
   explicit TangentPattern(const Shell& shell) {
     hinges.resize(shell.hinges_.size());
@@ -95,37 +85,26 @@ struct Shell::TangentPattern {
     }
     build_rows(shell);
 
+    pair_of.resize(columns.size());
+    for (int row = 0; row < shell.vertex_count_; ++row) {
+      diagonal.push_back(slot(row, row));
+      for (PetscInt k = rows[row]; k < rows[row + 1]; ++k) {
+        if (columns[k] > row) pair_of[k] = pair_of[slot(columns[k], row)] = pair_count++;
+      }
+    }
+    for (const int k : diagonal) pair_of[k] = pair_count;
+    ++pair_count;
+    const auto place = [&](const auto& vertices, int a, int b) {
+      if (vertices[a] > vertices[b]) std::swap(a, b);
+      return Place{pair_of[slot(vertices[a], vertices[b])], a, b};
+    };
     for (const auto& v : shell.triangles_) {
-      triangles.push_back({{slot(v[0], v[0]), slot(v[1], v[1]), slot(v[2], v[2])},
-                           {pair(v[0], v[1]), pair(v[0], v[2]), pair(v[1], v[2])}});
+      triangles.push_back({place(v, 0, 1), place(v, 0, 2), place(v, 1, 2)});
     }
     for (Hinge& hinge : hinges) {
-      for (int a = 0; a < 4; ++a) hinge.diagonal[a] = slot(hinge.vertices[a], hinge.vertices[a]);
-      int number = 0;
-      for (int a = 0; a < 4; ++a) {
-        for (int b = a + 1; b < 4; ++b) {
-          const Pair p = pair(hinge.vertices[a], hinge.vertices[b]);
-          hinge.pairs[number++] = {p.slot, p.swapped ? b : a, p.swapped ? a : b};
-        }
-      }
-    }
-    for (int row = 0; row < shell.vertex_count_; ++row) {
-      diagonals.push_back(slot(row, row));
-      for (PetscInt k = rows[row]; k < rows[row + 1]; ++k) {
-        if (columns[k] > row) mirrors.push_back({k, slot(columns[k], row)});
-      }
-    }
-  }
-
-  void mirror(double* values) const {
-    for (const int slot : diagonals) {
-      double* m = block(values, slot).data();
-      m[1] = m[3];
-      m[2] = m[6];
-      m[5] = m[7];
-    }
-    for (const auto& [upper, lower] : mirrors) {
-      block(values, lower) = block(values, upper).transpose();
+      const auto& v = hinge.vertices;
+      hinge.places = {place(v, 0, 1), place(v, 0, 2), place(v, 0, 3),
+                      place(v, 1, 2), place(v, 1, 3), place(v, 2, 3)};
     }
   }
 
@@ -171,9 +150,6 @@ struct Shell::TangentPattern {
     return static_cast<int>(std::lower_bound(begin + rows[row], begin + rows[row + 1], column) -
                             begin);
   }
-  [[nodiscard]] Pair pair(int first, int second) const {
-    return first < second ? Pair{slot(first, second), false} : Pair{slot(second, first), true};
-  }
 };
 
 const Shell::TangentPattern& Shell::tangent_pattern() const {
@@ -206,11 +182,11 @@ void Shell::tangent(Vec positions, Mat tangent) const {
   const auto array = array_of<const double>(positions, vertex_count_);
   {
     const BlockValues values(tangent);
-    std::fill_n(values.data(), 9 * pattern.columns.size(), 0.0);
+    pair_blocks_.assign(pattern.pair_count, {});
     const double volume = update_normals(array.data());
-    add_hinge_tangents(array.data(), pressure(volume), values.data());
-    add_triangle_tangents(array.data(), values.data());
-    pattern.mirror(values.data());
+    add_hinge_tangents(array.data(), pressure(volume));
+    add_triangle_tangents(array.data());
+    spread_tangent(values.data());
   }
   // Tells solvers that the values, which they may hold factors of, are new.
   petsc_check(MatAssemblyBegin(tangent, MAT_FINAL_ASSEMBLY));
@@ -219,21 +195,23 @@ void Shell::tangent(Vec positions, Mat tangent) const {
 
 // The volume's part, and of the bending's (E'' g g^T + E' dg/dx, g = dtheta/dx) the first; fills
 // moments_ for the second.
-void Shell::add_hinge_tangents(const double* x, double p, double* values) const {
-  const TangentPattern& pattern = tangent_pattern();
+void Shell::add_hinge_tangents(const double* x, double p) const {
+  const TangentPattern& pattern = *tangent_pattern_;
   const double stiffness = sqrt3 * moduli_.k_b;
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
-    const TangentPattern::Hinge& place = pattern.hinges[h];
+    const auto& [vertices, places] = pattern.hinges[h];
     const Vector3d tail = point(x, hinge.tail);
-    const Vector3d left = point(x, place.vertices[2]) - tail;
-    const Vector3d right = point(x, place.vertices[3]) - tail;
+    const Vector3d left = point(x, vertices[2]) - tail, right = point(x, vertices[3]) - tail;
 
     if (p != 0) {
-      // d2V/dx_tail dx_head = [x_right - x_left]/6 with [a] b = a x b. No other blocks of V are
-      // other than 0.
-      const double sign = hinge.tail < hinge.head ? 1 : -1;
-      block(values, place.pairs[0].slot) += cross_matrix(sign * p / 6 * (right - left));
+      // d2V/dx_tail dx_head = [x_right - x_left]/6 with [a] b = a x b.
+      const double sign = places[0].row == 0 ? 1 : -1;
+      const Vector3d v = sign * p / 6 * (right - left);
+      double* block = pair_blocks_[places[0].pair].values;
+      store(block, load(block) + Column{0, v[2], -v[1], 0});
+      store(block + 4, load(block + 4) + Column{-v[2], 0, v[0], 0});
+      store(block + 8, load(block + 8) + Column{v[1], -v[0], 0, 0});
     }
 
     if (stiffness == 0) continue;
@@ -252,20 +230,20 @@ void Shell::add_hinge_tangents(const double* x, double p, double* values) const 
     const Vector3d a = left_scale * normals_[hinge.left], b = right_scale * normals_[hinge.right];
     const double beta_a = left.dot(edge) * inverse_square;
     const double beta_b = right.dot(edge) * inverse_square;
-    const std::array<Vector3d, 4> g = {(1 - beta_a) * a + (1 - beta_b) * b, beta_a * a + beta_b * b,
-                                       -a, -b};
+    const Vector3d g0 = (1 - beta_a) * a + (1 - beta_b) * b, g1 = beta_a * a + beta_b * b;
+    const std::array<Column, 4> g = {column(g0), column(g1), -column(a), -column(b)};
     const double second = stiffness * cosine;
-    const std::array<Vector3d, 4> g2 = {second * g[0], second * g[1], second * g[2], second * g[3]};
-    for (int k = 0; k < 4; ++k) block(values, place.diagonal[k]) += g2[k] * g[k].transpose();
-    for (const auto& [slot, row, column] : place.pairs) {
-      block(values, slot) += g2[row] * g[column].transpose();
+    for (const auto& [pair, row, col] : places) {
+      double* block = pair_blocks_[pair].values;
+      const Column u = second * g[row];
+      for (int k = 0; k < 3; ++k) store(block + 4 * k, load(block + 4 * k) + g[col][k] * u);
     }
   }
 }
 
 // The strain's part and the bending's second.
-void Shell::add_triangle_tangents(const double* x, double* values) const {
-  const TangentPattern& pattern = tangent_pattern();
+void Shell::add_triangle_tangents(const double* x) const {
+  const TangentPattern& pattern = *tangent_pattern_;
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const auto& [v0, v1, v2] = triangles_[t];
     const Element& e = elements_[t];
@@ -290,6 +268,8 @@ void Shell::add_triangle_tangents(const double* x, double* values) const {
     const double s11 = c1 * e.a11 + c2 * g22;
     const double s12 = c1 * e.a12 - c2 * g12;
     const double s22 = c1 * e.a22 + c2 * g11;
+    // C_11 = (whole1 skew1; skew1 mixed), C_12 = (skew1 whole; mixed skew2),
+    // C_22 = (mixed skew2; skew2 whole2).
     const double mixed = c11 * e.a12 * e.a12 + c22 * g12 * g12 - c2;
     const double skew1 = c11 * e.a11 * e.a12 - c22 * g22 * g12;
     const double skew2 = c11 * e.a12 * e.a22 - c22 * g12 * g11;
@@ -310,39 +290,67 @@ void Shell::add_triangle_tangents(const double* x, double* values) const {
     const double m0 = moments_[e.hinges[0]], m1 = moments_[e.hinges[1]], m2 = moments_[e.hinges[2]];
     // Of N x T l and T l of the three edges in turn, the parts along e1 and e2, times 1/|n|.
     const auto v = [&](double u0, double u1, double u2, double t0, double t1, double t2) {
-      return Eigen::Vector2d(norm * (-p2 * u0 + g22 * u1 - g12 * u2 + t0 - t2),
-                             norm * (-p1 * u0 - g12 * u1 + g11 * u2 - t0 + t1));
+      return Vector2d(norm * (-p2 * u0 + g22 * u1 - g12 * u2 + t0 - t2),
+                      norm * (-p1 * u0 - g12 * u1 + g11 * u2 - t0 + t1));
     };
     const double half0 = m0 * l0 / 2, half1 = m1 * l1 / 2, half2 = m2 * l2 / 2;
     const double w0 = m0 * l0 * r2, w1 = m1 * r2, w2 = m2 * r2;
     const double t01 = m0 * p2 * l0, t02 = m0 * p1 * l0;
-    const Eigen::Vector2d v11 = v(w0 * p2 * p2 + half0, w1 * g22, w2 * g12 * g12 * l2 + half2,  //
-                                  -t01, 0, m2 * g12 * l2);
-    const Eigen::Vector2d v22 = v(w0 * p1 * p1 + half0, w1 * g12 * g12 * l1 + half1, w2 * g11,  //
-                                  t02, -m1 * g12 * l1, 0);
+    const Vector2d v11 = v(w0 * p2 * p2 + half0, w1 * g22, w2 * g12 * g12 * l2 + half2,  //
+                           -t01, 0, m2 * g12 * l2);
+    const Vector2d v22 = v(w0 * p1 * p1 + half0, w1 * g12 * g12 * l1 + half1, w2 * g11,  //
+                           t02, -m1 * g12 * l1, 0);
     const double u0 = w0 * p1 * p2 - half0, u1 = -w1 * g12, u2 = -w2 * g12;
-    const Eigen::Vector2d v12 = v(u0, u1, u2, -t02, 0, -m2), v21 = v(u0, u1, u2, t01, m1, 0);
+    const Vector2d v12 = v(u0, u1, u2, -t02, 0, -m2), v21 = v(u0, u1, u2, t01, m1, 0);
 
-    const auto hessian = [&](double s, double c00, double c01, double c10, double c11_,
-                             const Eigen::Vector2d& v_ik, const Eigen::Vector2d& v_ki) {
-      Matrix3d h = e1 * (c00 * e1 + c01 * e2 + v_ki[0] * normal).transpose() +
-                   e2 * (c10 * e1 + c11_ * e2 + v_ki[1] * normal).transpose() +
-                   normal * (v_ik[0] * e1 + v_ik[1] * e2).transpose();
-      h.diagonal().array() += s;
-      return h;
+    // The blocks of the vertices: H_12, and with a minus H_11 + H_21 for 0 1, H_12 + H_22 for 0 2.
+    const std::array<TangentPattern::Place, 3>& places = pattern.triangles[t];
+    const Column c_1 = column(e1), c_2 = column(e2), c_n = column(normal);
+    // C without v: (a b; c d). `above` and `left` are v_ki and v_ik.
+    const auto add = [&](const TangentPattern::Place& place, bool swapped, double s, double a,
+                         double b, double c, double d, Vector2d above, Vector2d left) {
+      if (swapped) {
+        std::swap(b, c);
+        std::swap(above, left);
+      }
+      const Vector3d y1 = a * e1 + b * e2 + above[0] * normal;
+      const Vector3d y2 = c * e1 + d * e2 + above[1] * normal;
+      const Vector3d y3 = left[0] * e1 + left[1] * e2;
+      double* block = pair_blocks_[place.pair].values;
+      store(block, load(block) + y1[0] * c_1 + y2[0] * c_2 + y3[0] * c_n + Column{s, 0, 0, 0});
+      store(block + 4,
+            load(block + 4) + y1[1] * c_1 + y2[1] * c_2 + y3[1] * c_n + Column{0, s, 0, 0});
+      store(block + 8,
+            load(block + 8) + y1[2] * c_1 + y2[2] * c_2 + y3[2] * c_n + Column{0, 0, s, 0});
     };
-    const Matrix3d h11 = hessian(s11, whole1, skew1, skew1, mixed, v11, v11);
-    const Matrix3d h12 = hessian(s12, skew1, whole, mixed, skew2, v12, v21);
-    const Matrix3d h22 = hessian(s22, mixed, skew2, skew2, whole2, v22, v22);
-    const Matrix3d h01 = -(h11 + h12.transpose()), h02 = -(h12 + h22);
+    add(places[0], places[0].row != 0, -(s11 + s12), -(whole1 + skew1), -(skew1 + mixed),
+        -(skew1 + whole), -(mixed + skew2), -(v11 + v12), -(v11 + v21));
+    add(places[1], places[1].row != 0, -(s12 + s22), -(skew1 + mixed), -(whole + skew2),
+        -(mixed + skew2), -(skew2 + whole2), -(v21 + v22), -(v12 + v22));
+    add(places[2], places[2].row != 1, s12, skew1, whole, mixed, skew2, v21, v12);
+  }
+}
 
-    const TangentPattern::Triangle& place = pattern.triangles[t];
-    block(values, place.diagonal[0]) -= h01 + h02;
-    block(values, place.diagonal[1]) += h11;
-    block(values, place.diagonal[2]) += h22;
-    place.pairs[0].add(values, h01);
-    place.pairs[1].add(values, h02);
-    place.pairs[2].add(values, h12);
+void Shell::spread_tangent(double* values) const {
+  const TangentPattern& pattern = *tangent_pattern_;
+  for (int row = 0; row < vertex_count_; ++row) {
+    // The row's sum; of symmetric sums a block and its transpose are the same part.
+    Column sum[3] = {};
+    for (PetscInt k = pattern.rows[row]; k < pattern.rows[row + 1]; ++k) {
+      if (pattern.columns[k] == row) continue;
+      const double* b = pair_blocks_[pattern.pair_of[k]].values;
+      double* out = values + 9 * static_cast<std::ptrdiff_t>(k);
+      for (int c = 0; c < 3; ++c) sum[c] += load(b + 4 * c);
+      // PETSc's blocks, too, are column-major.
+      const int down = pattern.columns[k] > row ? 1 : 4, right = 5 - down;
+      for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) out[3 * c + r] = b[right * c + down * r];
+      }
+    }
+    double* out = values + 9 * static_cast<std::ptrdiff_t>(pattern.diagonal[row]);
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) out[3 * c + r] = -(sum[c][r] + sum[r][c]) / 2;
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <random>
 
 #include "ductile/membrane/mesh.hpp"
@@ -61,12 +62,18 @@ void bench(int frequency, const char* shape, const ductile::membrane::Mesh& mesh
 
 int main(int argc, char** argv) {
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 1;
-  std::printf("%-10s %9s %9s %9s %9s %9s\n", "shape", "frequency", "triangles", "force", "tangent",
-              "MatMult");
-  for (const int frequency : {7, 16, 32}) {
-    const double radius = frequency / 1.2;  // edges of about 1
-    bench(frequency, "sphere", ductile::membrane::icosphere(frequency, radius));
-    bench(frequency, "biconcave", ductile::membrane::biconcave(frequency, radius));
+  int failed = 0;
+  try {
+    std::printf("%-10s %9s %9s %9s %9s %9s\n", "shape", "frequency", "triangles", "force",
+                "tangent", "MatMult");
+    for (const int frequency : {7, 16, 32}) {
+      const double radius = frequency / 1.2;  // edges of about 1
+      bench(frequency, "sphere", ductile::membrane::icosphere(frequency, radius));
+      bench(frequency, "biconcave", ductile::membrane::biconcave(frequency, radius));
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    failed = 1;
   }
-  return PetscFinalize() == 0 ? 0 : 1;
+  return PetscFinalize() == 0 ? failed : 1;
 }

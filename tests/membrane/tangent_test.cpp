@@ -4,6 +4,8 @@
 #include <petscsnes.h>
 
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -92,9 +94,9 @@ struct Case {
 };
 
 // Edges of about 1.
-Mesh reference(Form form) {
-  if (form == Form::sphere) return icosphere(4, 4 / 1.2);
-  if (form == Form::biconcave) return biconcave(4, 4 / 1.2);
+Mesh reference(Form form, int frequency) {
+  if (form == Form::sphere) return icosphere(frequency, frequency / 1.2);
+  if (form == Form::biconcave) return biconcave(frequency, frequency / 1.2);
   Mesh mesh;
   for (int i = 0; i <= 6; ++i) {
     for (int j = 0; j <= 5; ++j) mesh.vertices.emplace_back(i + .5 * j, .9 * j, 0);
@@ -110,8 +112,9 @@ Mesh reference(Form form) {
 }
 
 struct Deformed {
-  explicit Deformed(const Case& c)
-      : mesh(reference(c.form)), shell(mesh, c.moduli, {.open_sheet = c.form == Form::sheet}) {
+  explicit Deformed(const Case& c, int frequency = 4)
+      : mesh(reference(c.form, frequency)),
+        shell(mesh, c.moduli, {.open_sheet = c.form == Form::sheet}) {
     test::Random random;
     // A stretch first, lest the whole stay near its volume.
     points = test::perturbed(
@@ -145,12 +148,91 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"AllSheet", {.k_s = 1, .k_a = 2, .k_b = .3}, Form::sheet}),
     [](const auto& c) { return std::string(c.param.name); });
 
-// Steps of 2e-3 edges: h^4 leaves about 1e-10 and round-off 1e-12.
+// Steps of 1e-3 edges leave about 1e-11.
 TEST_P(Tangent, IsTheDerivativeOfTheForce) {
   const Deformed d(GetParam());
   const MatrixXd k = whole_tangent(d.shell, d.points);
   const MatrixXd differences = difference_tangent(d.shell, d.points, 1e-3);
-  EXPECT_LT((k - differences).norm(), 1e-8 * k.norm());
+  EXPECT_LT((k - differences).norm(), 1e-9 * k.norm());
+}
+
+// What PETSc's vectors and callbacks hold in the next test.
+struct Problem {
+  const Shell* shell;
+  MatPtr sparse;
+  VecPtr gradient;
+  double c = 0;
+};
+
+PetscErrorCode residual(SNES /*snes*/, Vec x, Vec f, void* context) {
+  static_cast<const Problem*>(context)->shell->force(x, f);
+  return VecScale(f, -1);
+}
+PetscErrorCode jacobian(SNES /*snes*/, Vec x, Mat /*whole*/, Mat /*sparse*/, void* context) {
+  auto& problem = *static_cast<Problem*>(context);
+  problem.shell->tangent(x, problem.sparse.get());
+  problem.c = problem.shell->volume_stiffness(x, problem.gradient.get());
+  return 0;
+}
+PetscErrorCode multiply(Mat whole, Vec in, Vec out) {
+  void* context = nullptr;
+  PetscCall(MatShellGetContext(whole, &context));
+  const auto& problem = *static_cast<const Problem*>(context);
+  PetscCall(MatMult(problem.sparse.get(), in, out));
+  double product = 0;
+  PetscCall(VecDot(problem.gradient.get(), in, &product));
+  return VecAXPY(out, problem.c * product, problem.gradient.get());
+}
+
+std::string printed;
+PetscErrorCode capture(FILE* /*file*/, const char* format, va_list arguments) {
+  char line[4096];
+  size_t length = 0;
+  PetscCall(PetscVSNPrintf(line, sizeof line, format, &length, arguments));
+  printed += line;
+  return 0;
+}
+
+// PETSc differences forward with steps of 1.5e-8 |x|, |x| of all coordinates, which leaves about
+// 1e-7.
+TEST_P(Tangent, PassesPetscsJacobianTest) {
+  const Deformed d(GetParam(), 2);
+  Problem problem{&d.shell, d.shell.create_tangent(), d.shell.create_vec()};
+  const VecPtr x = test::to_vec(d.points), f = d.shell.create_vec();
+  const auto n = static_cast<PetscInt>(3 * d.points.size());
+  Mat mat = nullptr;
+  petsc_check(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, &problem, &mat));
+  const MatPtr whole(mat);
+  petsc_check(
+      MatShellSetOperation(whole.get(), MATOP_MULT, reinterpret_cast<void (*)()>(&multiply)));
+  SNES snes = nullptr;
+  petsc_check(SNESCreate(PETSC_COMM_SELF, &snes));
+  petsc_check(SNESSetOptionsPrefix(snes, "tangent_"));
+  petsc_check(SNESSetFunction(snes, f.get(), &residual, &problem));
+  Mat of_snes = GetParam().moduli.k_v > 0 ? whole.get() : problem.sparse.get();
+  petsc_check(SNESSetJacobian(snes, of_snes, problem.sparse.get(), &jacobian, &problem));
+  petsc_check(PetscOptionsSetValue(nullptr, "-tangent_snes_test_jacobian", nullptr));
+  petsc_check(SNESSetFromOptions(snes));
+  // A step of Richardson's in place of a Newton step: the tangent may be singular.
+  petsc_check(SNESSetTolerances(snes, 0, 0, 0, 1, 10));
+  KSP ksp = nullptr;
+  petsc_check(SNESGetKSP(snes, &ksp));
+  petsc_check(KSPSetType(ksp, KSPPREONLY));
+  PC pc = nullptr;
+  petsc_check(KSPGetPC(ksp, &pc));
+  petsc_check(PCSetType(pc, PCNONE));
+  printed.clear();
+  const auto standard = PetscVFPrintf;
+  PetscVFPrintf = &capture;
+  const PetscErrorCode code = SNESSolve(snes, nullptr, x.get());
+  PetscVFPrintf = standard;
+  petsc_check(PetscOptionsClearValue(nullptr, "-tangent_snes_test_jacobian"));
+  petsc_check(code);
+  petsc_check(SNESDestroy(&snes));
+  const auto at = printed.find("||J - Jfd||_F/||J||_F = ");
+  ASSERT_NE(at, std::string::npos) << printed;
+  const double ratio = std::stod(printed.substr(at + 24));
+  EXPECT_LT(ratio, 1e-6);
 }
 
 TEST_P(Tangent, IsSymmetricToTheLastBit) {
@@ -194,6 +276,121 @@ TEST_P(Tangent, TurnsWithTheShell) {
   MatrixXd all = MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; i += 3) all.block<3, 3>(i, i) = rotation;
   EXPECT_LT((turned - all * k * all.transpose()).norm(), 1000 * eps * k.norm());
+}
+
+TEST(TangentMatrix, HoldsNeighboursAndTheVerticesAcrossEdgesAndNoMore) {
+  const Mesh mesh = icosphere(4, 1);
+  const MatPtr k = Shell(mesh, {.k_b = 1}).create_tangent();
+  const auto vertices = static_cast<double>(mesh.vertices.size()), edges = 3 * (vertices - 2);
+  MatInfo info;
+  petsc_check(MatGetInfo(k.get(), MAT_LOCAL, &info));
+  EXPECT_EQ(info.nz_used, 9 * (vertices + 4 * edges));
+  EXPECT_EQ(info.nz_allocated, info.nz_used);
+  EXPECT_EQ(info.mallocs, 0);
+}
+
+// Every pair of an octahedron's vertices that no edge joins faces one another across four edges.
+TEST(TangentMatrix, SumsTheEdgesThatTwoVerticesFaceAcross) {
+  Mesh mesh{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}, {}};
+  for (const int x : {0, 1}) {
+    for (const int y : {2, 3}) {
+      for (const int z : {4, 5}) {
+        if ((x + y + z) % 2 == 0) {
+          mesh.triangles.push_back({x, y, z});
+        } else {
+          mesh.triangles.push_back({x, z, y});
+        }
+      }
+    }
+  }
+  test::Random random;
+  const Points points = test::perturbed(mesh.vertices, .1, random);
+  const Shell shell(mesh, {.k_s = 1, .k_a = 2, .k_b = .3, .k_v = 3});
+  const MatrixXd k = whole_tangent(shell, points);
+  EXPECT_LT((k - difference_tangent(shell, points, 1e-3)).norm(), 1e-9 * k.norm());
+}
+
+// Two triangles on the same three vertices: those that face across an edge are one.
+TEST(TangentMatrix, OfAFlatBagIsRight) {
+  const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {.3, .8, .1}}, {{0, 1, 2}, {0, 2, 1}}};
+  test::Random random;
+  const Points points = test::perturbed(mesh.vertices, .1, random);
+  const Shell shell(mesh, {.k_s = 1, .k_b = .3},
+                    {.flat_reference_angles = true, .open_sheet = true});
+  const MatrixXd k = whole_tangent(shell, points);
+  EXPECT_LT((k - difference_tangent(shell, points, 1e-3)).norm(), 1e-9 * k.norm());
+}
+
+// k_v/V0 (V - V0) g is the gradient of the volume energy.
+TEST(TangentMatrix, VolumeStiffnessIsThatOfTheVolumeEnergy) {
+  const Deformed d({"", {.k_v = 2}, Form::biconcave});
+  const VecPtr x = test::to_vec(d.points), gradient = d.shell.create_vec();
+  const double c = d.shell.volume_stiffness(x.get(), gradient.get());
+  EXPECT_EQ(c, 2 / d.shell.reference_volume());
+  const double excess = d.shell.shape(x.get()).volume - d.shell.reference_volume();
+  const VecArray<const double> g(gradient.get());
+  const VectorXd f = flat(test::forces(d.shell, d.points));
+  for (Eigen::Index i = 0; i < f.size(); ++i)
+    EXPECT_NEAR(c * excess * g[i], -f[i], 1000 * eps * f.lpNorm<Eigen::Infinity>());
+}
+
+TEST(TangentMatrix, OpenSheetHasNoVolumeStiffness) {
+  const Deformed d({"", {.k_s = 2}, Form::sheet});
+  const VecPtr gradient = d.shell.create_vec();
+  petsc_check(VecSet(gradient.get(), 1));
+  EXPECT_EQ(d.shell.volume_stiffness(test::to_vec(d.points).get(), gradient.get()), 0);
+  double norm = 1;
+  petsc_check(VecNorm(gradient.get(), NORM_INFINITY, &norm));
+  EXPECT_EQ(norm, 0);
+}
+
+// PETSc keeps inverses and factors until it hears that the values have changed.
+TEST(TangentMatrix, NewValuesReachASolver) {
+  const Deformed d({"", {.k_s = 1, .k_a = 2, .k_b = .3}, Form::sphere});
+  const VecPtr x = test::to_vec(d.points), y = d.shell.create_vec();
+  test::Random random;
+  const VecPtr b = test::to_vec(test::perturbed(Points(d.points.size()), 1, random));
+  const MatPtr k = d.shell.create_tangent();
+  for (const char* type : {PCPBJACOBI, PCLU}) {
+    KSP ksp = nullptr;
+    petsc_check(KSPCreate(PETSC_COMM_SELF, &ksp));
+    PC pc = nullptr;
+    petsc_check(KSPGetPC(ksp, &pc));
+    petsc_check(PCSetType(pc, type));
+    petsc_check(KSPSetType(ksp, KSPPREONLY));
+    std::vector<double> norms;
+    for (const double scale : {1., 2.}) {
+      const VecPtr scaled = d.shell.create_vec();
+      petsc_check(VecAXPY(scaled.get(), scale, x.get()));
+      d.shell.tangent(scaled.get(), k.get());
+      petsc_check(MatShift(k.get(), 1));
+      petsc_check(KSPSetOperators(ksp, k.get(), k.get()));
+      petsc_check(KSPSolve(ksp, b.get(), y.get()));
+      double norm = 0;
+      petsc_check(VecNorm(y.get(), NORM_2, &norm));
+      norms.push_back(norm);
+    }
+    petsc_check(KSPDestroy(&ksp));
+    EXPECT_GT(std::abs(norms[1] / norms[0] - 1), .01) << type;
+  }
+}
+
+TEST(TangentMatrix, OfAnotherShellIsRefused) {
+  const Shell shell(icosphere(3, 1), {.k_s = 1});
+  const VecPtr x = test::to_vec(icosphere(3, 1).vertices);
+  const MatPtr other = Shell(icosphere(4, 1), {.k_s = 1}).create_tangent();
+  test::expect_contains(test::refusal([&] { shell.tangent(x.get(), other.get()); }),
+                        "is not one that create_tangent() of this shell made");
+  Mat dense = nullptr;
+  const PetscInt n = 3 * shell.vertex_count();
+  petsc_check(MatCreateSeqDense(PETSC_COMM_SELF, n, n, nullptr, &dense));
+  const MatPtr owner(dense);
+  test::expect_contains(test::refusal([&] { shell.tangent(x.get(), dense); }),
+                        "is not one that create_tangent() of this shell made");
+  const MatPtr own = shell.create_tangent();
+  const VecPtr too_long = create_vec(shell.vertex_count() + 1);
+  test::expect_contains(test::refusal([&] { shell.tangent(too_long.get(), own.get()); }),
+                        "a vector of");
 }
 
 }  // namespace

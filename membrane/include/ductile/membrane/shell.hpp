@@ -130,8 +130,9 @@ class Shell {
   // k_v (V - V0)/V0, or 0.
   double pressure(double volume) const;
   const TangentPattern& tangent_pattern() const;
-  void add_hinge_tangents(const double* x, double p, double* values) const;
-  void add_triangle_tangents(const double* x, double* values) const;
+  void add_hinge_tangents(const double* x, double p) const;
+  void add_triangle_tangents(const double* x) const;
+  void spread_tangent(double* values) const;
   // Signed, positive where the surface is convex; from the latest normals.
   Angle angle(const Hinge& hinge, const double* x) const;
 
@@ -150,6 +151,11 @@ class Shell {
   mutable std::vector<Eigen::Vector3d> normals_;
   mutable std::vector<double> inverse_norms_;
   mutable std::vector<double> moments_;
+  // Three columns of four; see shell_tangent.cpp.
+  struct alignas(32) Block {
+    double values[12];
+  };
+  mutable std::vector<Block> pair_blocks_;
 };
 
 }  // namespace ductile::membrane
