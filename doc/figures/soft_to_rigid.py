@@ -23,9 +23,9 @@ import matplotlib.pyplot as plt
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parent.parent
 # Softness, and a release not far from where it settles.
-CAPSULES = {10: 0.1, 30: 0.12, 100: 0.27, 300: 0.37, 1e3: 0.4, 1e4: 0.42, 1e5: 0.42, 1e6: 0.42}
-RIGID_START = 0.42
-COMMON = ["--set", "channel.length=6", "--set", "fluid.storage=single", "--set", "run.time_limit=40",
+CAPSULES = {10: 0.06, 30: 0.12, 100: 0.28, 300: 0.36, 1e3: 0.4, 1e4: 0.425, 1e5: 0.425, 1e6: 0.425}
+RIGID_START = 0.425
+COMMON = ["--set", "channel.length=6", "--set", "fluid.storage=single", "--set", "run.time_limit=24",
           "--set", "output.surfaces_every=0"]
 
 

@@ -12,6 +12,7 @@
 
 #include "ductile/membrane/capsule.hpp"
 #include "membrane/linear_fluid.hpp"
+#include "membrane/own_integrator.hpp"
 #include "membrane/support.hpp"
 
 namespace ductile::membrane {
@@ -212,6 +213,24 @@ TEST_P(EachImplicit, SubstepsGoToTheirLimitAtFirstOrder) {
   const auto x4 = after(4), x8 = after(8), x16 = after(16), x32 = after(32);
   EXPECT_NEAR(std::log2(distance(x8, x16) / distance(x16, x32)), 1, .15);
   EXPECT_LT(distance(x8, x16), distance(x4, x8));
+}
+
+TEST(OwnIntegrator, OfTheDocumentationIsOfSecondOrderInAFluidAtRest) {
+  const IntegratorFactory heun = [](const Shell& shell, Vec mobility) {
+    return std::make_unique<Heun>(shell, mobility);
+  };
+  const Mesh mesh = icosphere(5, 5);
+  const auto relaxed = [&](double h) {
+    Capsule capsule(
+        mesh, test::moved(mesh.vertices, Vector3d(1.1, .95, 1).asDiagonal(), Sphere::centre),
+        moduli_of(.05), {.mobility = 1e-3 * h, .viscosity = 1. / 6, .integrator = heun});
+    const LinearFluid fluid{.drag = drag, .time_step = h};
+    for (int n = 0; n < std::lround(16 / h); ++n) fluid.step(capsule);
+    return std::vector<double>(capsule.positions().begin(), capsule.positions().end());
+  };
+  const auto x1 = relaxed(1), x2 = relaxed(.5), x4 = relaxed(.25), x8 = relaxed(.125);
+  EXPECT_NEAR(std::log2(distance(x2, x4) / distance(x4, x8)), 2, .15);
+  EXPECT_LT(distance(x2, x4), distance(x1, x2));
 }
 
 TEST(Implicit, SolvesWhatItSaysItSolves) {
