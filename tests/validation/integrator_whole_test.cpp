@@ -1,0 +1,42 @@
+// Integrators in the channel, in short.
+#include "ductile/coupling/coupler.hpp"
+#include "validation/integrator_agreement.hpp"
+
+namespace {
+
+using namespace ductile;
+
+TEST(IntegratorsInAChannel, AgreeOnACoarseLattice) {
+  test::expect_agreement(16, 3, 100, 1);
+}
+
+TEST(IntegratorsInAChannel, StiffCapsuleMovesAsTheRigidSphere) {
+  // Two methods that share nothing but the kernel. Strain is 1e-5 at La = 10^5; the rest is the
+  // rigid body's own slip (5 corrections).
+  const std::string channel = "[channel]\nnodes = 16\nlength = 3\n";
+  test::Channel stiff(channel +
+                      "[membrane]\nintegrator = \"implicit\"\n[[body]]\nx = 0.2\nlaplace = 1e5\n");
+  test::Channel rigid(channel + "[[body]]\nkind = \"rigid\"\nx = 0.2\n");
+  stiff.run(1);
+  rigid.run(1);
+  std::printf("x = %.5f, rigid %.5f\n", stiff.sample(0).position.x(), rigid.sample(0).position.x());
+  EXPECT_NEAR(stiff.sample(0).position.x(), rigid.sample(0).position.x(), .002);
+  EXPECT_NEAR(stiff.sample(0).velocity.z(), rigid.sample(0).velocity.z(),
+              .005 * rigid.largest_velocity());
+}
+
+TEST(IntegratorsInAChannel, ImplicitRunsWhereExplicitBlowsUp) {
+  const auto scenario = [](const char* integrator) {
+    return std::string("[channel]\nnodes = 16\nlength = 3\n[membrane]\nvolume_modulus = 75000\n") +
+           "integrator = \"" + integrator + "\"\n[[body]]\nx = 0.2\nlaplace = 1e4\n";
+  };
+  test::Channel explicit_run(scenario("explicit-euler"));
+  EXPECT_THROW(explicit_run.run(1), coupling::BodyFailure);
+  for (const char* integrator : {"semi-implicit", "implicit"}) {
+    test::Channel channel(scenario(integrator));
+    channel.run(1);
+    EXPECT_LT(std::abs(channel.sample(0).volume_error), 1e-4) << integrator;
+  }
+}
+
+}  // namespace
