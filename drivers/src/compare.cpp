@@ -61,24 +61,25 @@ ComparisonResult compare_integrators(const std::vector<Variant>& variants,
 
   std::vector<Contender> contenders;  // rank 0's
   std::size_t failures = 0;
-  for (const auto& [integrator, text] : variants) {
+  for (const Variant& variant : variants) {
     const std::size_t number = result.finished.size() + 1;
-    on_root(comm,
-            [&] { fmt::print(stderr, "{}, {} of {}\n", integrator, number, variants.size()); });
-    const Scenario scenario = parse_scenario(text, "scenario.toml");
+    on_root(comm, [&] {
+      fmt::print(stderr, "{}, {} of {}\n", variant.integrator, number, variants.size());
+    });
+    const Scenario scenario = parse_scenario(variant.scenario, "scenario.toml");
     const LatticeSetup setup = lattice_setup(scenario);
-    const RunOptions options{directory / integrator, text, force, true};
+    const RunOptions options{directory / variant.integrator, variant.scenario, force, true};
     RunResult run = run_simulation(scenario, setup, options, comm);
     if (run.exit_code != exit_success && run.exit_code != exit_blow_up) {
       result.exit_code = run.exit_code;
       return result;
     }
-    result.finished.push_back(integrator);
+    result.finished.push_back(variant.integrator);
     if (run.exit_code == exit_blow_up) ++failures;
     if (run.summary) {
-      contenders.push_back({integrator, *std::move(run.summary), std::move(run.samples)});
+      contenders.push_back({variant.integrator, *std::move(run.summary), std::move(run.samples)});
       const Summary& summary = contenders.back().summary;
-      fmt::print(stderr, "{}: {}, {}\n", integrator, to_string(summary.status),
+      fmt::print(stderr, "{}: {}, {}\n", variant.integrator, to_string(summary.status),
                  duration_text(summary.wall_time));
     }
     if (run.interrupted) break;

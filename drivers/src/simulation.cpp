@@ -412,6 +412,7 @@ void Simulation::write_frame(bool with_fluid) {
   }
   if (rank_ != 0) return;
   std::vector<SurfaceState> states;
+  states.reserve(arrays.size());
   for (const auto& [x, u, f] : arrays) states.push_back({x, u, f});
   FluidState fluid;
   fluid.density = density;

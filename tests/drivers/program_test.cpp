@@ -24,6 +24,8 @@ std::string contents(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+const std::string quickstart = DUCTILE_SCENARIO_DIR "/quickstart.toml";
+
 class Program : public testing::Test {
  protected:
   void SetUp() override {
@@ -55,10 +57,11 @@ class Program : public testing::Test {
 };
 
 TEST_F(Program, WrongInputEndsWithTwoOneLineAndNothingWritten) {
+  const std::string unknown_integrator =
+      "compare " + quickstart + " --integrators explicit-euler,nonsense";
   for (const std::string arguments :
        {"pair M1 --x-lag 0.9", "pair M1 --x-lag 0 --set channel.nodes=abc", "run absent.toml",
-        "pair M1", "nonsense", "", "pair M1 --x-lag 0 -o /dev/null",
-        "compare " DUCTILE_SCENARIO_DIR "/quickstart.toml --integrators explicit-euler,nonsense"}) {
+        "pair M1", "nonsense", "", "pair M1 --x-lag 0 -o /dev/null", unknown_integrator.c_str()}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
     EXPECT_EQ(outcome.output, "") << arguments;
@@ -92,16 +95,16 @@ TEST_F(Program, BlowUpEndsWithThreeAndLeavesWhatWasComputed) {
 // The same comparison on 1 and 2 ranks: each run is an ordinary one, and leaves what `run` does.
 TEST_F(Program, ComparesIntegrators) {
   const std::string changes = " --set run.time_limit=0.1 --set output.every=0.02 ";
-  for (const std::string integrator : {"explicit-euler", "adams-bashforth"}) {
-    ASSERT_EQ(run("run " DUCTILE_SCENARIO_DIR "/quickstart.toml" + changes +
-                  "--set membrane.integrator=" + integrator + " -o alone-" + integrator)
-                  .exit_code,
-              0);
-  }
+  const auto alone = [&](const std::string& integrator) {
+    return run("run " + quickstart + changes + "--set membrane.integrator=" + integrator +
+               " -o alone-" + integrator);
+  };
+  ASSERT_EQ(alone("explicit-euler").exit_code, 0);
+  ASSERT_EQ(alone("adams-bashforth").exit_code, 0);
+  const std::string compare =
+      "compare " + quickstart + changes + "--integrators explicit-euler,adams-bashforth --force";
   for (const std::string launch : {"", "mpirun --quiet --bind-to none --oversubscribe -n 2 "}) {
-    const Outcome outcome = run("compare " DUCTILE_SCENARIO_DIR "/quickstart.toml" + changes +
-                                    "--integrators explicit-euler,adams-bashforth --force",
-                                launch);
+    const Outcome outcome = run(compare, launch);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
     for (const char* label :
          {"explicit-euler", "adams-bashforth", "cost of a step", "  membrane",
@@ -128,8 +131,8 @@ TEST_F(Program, ComparesIntegrators) {
 // Explicit Euler bears a Laplace number of about 760 here, Adams-Bashforth about 950 for so short a
 // time: at 900 only the first fails, and that is a result; at 3000 both do.
 TEST_F(Program, ABlowUpIsAResultOfAComparisonUnlessAllBlowUp) {
-  const std::string command = "compare " DUCTILE_SCENARIO_DIR
-                              "/quickstart.toml --set run.time_limit=0.25 --force -o out "
+  const std::string command = "compare " + quickstart +
+                              " --set run.time_limit=0.25 --force -o out "
                               "--integrators explicit-euler,adams-bashforth ";
   const auto laplace = [](const std::string& value) {
     return "--set body.lead.laplace=" + value + " --set body.lag.laplace=" + value;
@@ -151,8 +154,7 @@ TEST_F(Program, ABlowUpIsAResultOfAComparisonUnlessAllBlowUp) {
 }
 
 TEST_F(Program, ProfileShowsTheTimeByPart) {
-  const std::string arguments =
-      "run " DUCTILE_SCENARIO_DIR "/quickstart.toml --set run.time_limit=0.01 --force -o out";
+  const std::string arguments = "run " + quickstart + " --set run.time_limit=0.01 --force -o out";
   for (const std::string launch : {"", "mpirun --quiet --bind-to none --oversubscribe -n 2 "}) {
     EXPECT_EQ(run(arguments, launch).output.find("time by part"), std::string::npos);
     EXPECT_EQ(contents(work() / "out/summary.json").find("\"profile\""), std::string::npos);
