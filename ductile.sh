@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
-#   ./ductile.sh [-n RANKS] COMMAND ...    the program, `run` and `pair` on all cores
+#   ./ductile.sh [-n RANKS] COMMAND ...    the program, `run`, `pair` and `compare` on all cores
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
 #   ./ductile.sh build                     builds everything, runs nothing
@@ -87,7 +87,7 @@ case ${1:-} in
   build)
     make_target all
     ;;
-  run | pair)
+  run | pair | compare)
     make_target ductile
     if [ "$ranks" -eq 1 ]; then exec "$build/drivers/ductile" "$@"; fi
     [ ! -t 2 ] || export DUCTILE_LIVE=1

@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <chrono>
 #include <climits>
 #include <cmath>
 #include <functional>
@@ -64,6 +65,25 @@ struct Guest {
   std::vector<double> buffer;
 };
 
+// Divides the time of a step into laps: each ends where the next begins, so none is lost.
+class Stopwatch {
+ public:
+  void start() { last_ = Clock::now(); }
+  /// The time since the lap before goes to `part`.
+  void lap(Part part) {
+    const Clock::time_point now = Clock::now();
+    profile.seconds[static_cast<std::size_t>(part)] +=
+        std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+  Profile profile;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_;
+};
+
 }  // namespace
 
 BodyFailure::BodyFailure(int body, std::optional<std::size_t> marker, std::int64_t step,
@@ -84,6 +104,7 @@ class Coupler::Impl {
 
   void step();
   std::uint64_t bytes_sent_ = 0;
+  Stopwatch watch_;
 
  private:
   void lay_out();
@@ -159,8 +180,10 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
 
 // The time step. Bodies and fluid exchange marker velocities and forces; eq. numbers as the paper.
 void Coupler::Impl::step() {
+  watch_.start();
   if (moved_out_) lay_out();
   fluid_.read_velocity();  // u0: eqs. (5) and (6) with the uniform force
+  watch_.lap(Part::boxes);
   locate();
   predict_forces();
   spread(-1);  // eq. (16)
@@ -173,6 +196,8 @@ void Coupler::Impl::step() {
   advance();
   agree();
   fluid_.step();  // eqs. (2)-(4)
+  watch_.lap(Part::fluid);
+  ++watch_.profile.steps;
 }
 
 // Runs f, which calls the host's body; a failure ends the step when all ranks agree on it.
@@ -201,6 +226,7 @@ void Coupler::Impl::predict_forces() {
     std::fill(host.force.begin(), host.force.end(), 0.0);
     guarded(host, [&](Body& body) { body.predict_force(host.force); });
   }
+  watch_.lap(Part::bodies);
 }
 
 void Coupler::Impl::correct_forces(int round) {
@@ -224,6 +250,7 @@ void Coupler::Impl::correct_forces(int round) {
       body.correct_force(host.velocity, Lazy(host), host.force);
     });
   }
+  watch_.lap(Part::bodies);
 }
 
 void Coupler::Impl::advance() {
@@ -238,6 +265,7 @@ void Coupler::Impl::advance() {
       }
     });
   }
+  watch_.lap(Part::bodies);
 }
 
 // The nodes that the host's markers reach; nothing and a failure if one is not finite.
@@ -335,6 +363,7 @@ void Coupler::Impl::lay_out() {
     }
   }
   moved_out_ = false;
+  watch_.lap(Part::boxes);
   agree();
 
   std::vector<fluid::Box> boxes;
@@ -417,6 +446,7 @@ void Coupler::Impl::to_guests(int round,
     check(MPI_Get_count(&statuses[request], MPI_DOUBLE, &count), "MPI_Get_count");
     guests_[g].data.resize(static_cast<std::size_t>(count));
   }
+  watch_.lap(Part::exchange);
 }
 
 void Coupler::Impl::locate() {
@@ -436,8 +466,10 @@ void Coupler::Impl::locate() {
       if (touches(host.planes[m], 4, slab, period_)) route.markers.push_back(static_cast<int>(m));
     }
   }
+  watch_.lap(Part::locating);
   to_guests(-1, [](const Host& host) { return host.body->positions(); });
   for (Guest& guest : guests_) guest.stencils.locate(guest.data);
+  watch_.lap(Part::locating);
 }
 
 void Coupler::Impl::spread(int round) {
@@ -449,7 +481,9 @@ void Coupler::Impl::spread(int round) {
       if (patch.box == box) guest.stencils.spread(guest.data, patch, period_);
     }
   }
+  watch_.lap(Part::spreading);
   fluid_.update_velocity();
+  watch_.lap(Part::boxes);
 }
 
 void Coupler::Impl::interpolate(int round) {
@@ -462,6 +496,7 @@ void Coupler::Impl::interpolate(int round) {
       if (patch.box == box) guest.stencils.interpolate(patch, period_, guest.partial);
     }
   }
+  watch_.lap(Part::interpolation);
   to_hosts(round);
 }
 
@@ -528,6 +563,7 @@ void Coupler::Impl::to_hosts(int round) {
       host.velocity[n] = sum(&host.partial[4 * n]);
     }
   }
+  watch_.lap(Part::exchange);
 }
 
 // All ranks learn whether a body has left its box or failed. Throws BodyFailure on all of them.
@@ -537,6 +573,7 @@ void Coupler::Impl::agree() {
   constexpr int failed = 2;
   int state = failed_ != INT_MAX ? failed : (moved_out_ ? moved_out : fine);
   check(MPI_Allreduce(MPI_IN_PLACE, &state, 1, MPI_INT, MPI_MAX, comm_), "MPI_Allreduce");
+  watch_.lap(Part::waiting);
   moved_out_ = state == moved_out;
   if (state != failed) return;
   const int own = failed_;
@@ -564,6 +601,12 @@ void Coupler::step() {
 }
 std::uint64_t Coupler::bytes_sent() const {
   return impl_->bytes_sent_;
+}
+const Profile& Coupler::profile() const {
+  return impl_->watch_.profile;
+}
+void Coupler::reset_profile() {
+  impl_->watch_.profile = {};
 }
 
 }  // namespace ductile::coupling

@@ -42,6 +42,7 @@ class CapsuleBody final : public ImmersedBody {
     sample.strain_energy = capsule_->energies().strain / energy_unit_;
     return sample;
   }
+  [[nodiscard]] membrane::SolveStatistics solver() const override { return capsule_->statistics(); }
 
  private:
   static std::unique_ptr<membrane::Capsule> make(const BodyOptions& options,

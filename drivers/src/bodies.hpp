@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ductile/coupling/body.hpp"
+#include "ductile/membrane/integrator.hpp"
 #include "sample.hpp"
 #include "scenario.hpp"
 #include "units.hpp"
@@ -30,6 +31,8 @@ class ImmersedBody {
   [[nodiscard]] virtual std::span<const double> forces() const = 0;
   /// Its state in the paper's units.
   [[nodiscard]] virtual BodySample sample() const = 0;
+  /// What a capsule's integrator has spent so far; zeros of any other body.
+  [[nodiscard]] virtual membrane::SolveStatistics solver() const { return {}; }
 };
 
 /// Body number `index` of the scenario. `setup` must outlive it.

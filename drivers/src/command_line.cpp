@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "ductile/membrane/integrator.hpp"
 #include "errors.hpp"
 #include "keys.hpp"
 #include "pairs.hpp"
@@ -22,7 +23,7 @@ constexpr std::string_view about =
 
 constexpr std::string_view footer =
     "Exit codes: 0 success, 1 the run could not be done, 2 wrong input (nothing is written),\n"
-    "3 the fluid or a body became unstable.\n"
+    "3 the fluid or a body became unstable (of compare: with every integrator).\n"
     "Under mpirun the channel is shared among the ranks; results do not depend on their number.\n"
     "`ductile COMMAND --help` tells more about a command.";
 
@@ -91,6 +92,47 @@ std::string_view pair_scenario(const std::string& name) {
                   hint.empty() ? fmt::format(" the pairs are {}", fmt::join(names, ", ")) : hint));
 }
 
+std::vector<std::string> parsed_integrators(const std::string& argument) {
+  const std::vector<std::string_view> known = membrane::integrator_names();
+  std::vector<std::string> names(1);
+  for (const char c : argument) {
+    if (c == ',') {
+      names.emplace_back();
+    } else {
+      names.back() += c;
+    }
+  }
+  const auto refuse = [&argument](const std::string& complaint) {
+    throw InputError(fmt::format("--integrators {}: {}", argument, complaint));
+  };
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (std::find(known.begin(), known.end(), *name) == known.end()) {
+      const std::string hint = suggestion(*name, known);
+      refuse(fmt::format(
+          "unknown integrator {};{}", in_quotes(*name),
+          hint.empty() ? fmt::format(" the integrators are {}", fmt::join(known, ", ")) : hint));
+    }
+    if (std::find(names.begin(), name, *name) != name) refuse(*name + " is there twice");
+  }
+  if (names.size() < 2) {
+    refuse(fmt::format("name at least two, with commas between: the integrators are {}",
+                       fmt::join(known, ", ")));
+  }
+  return names;
+}
+
+/// The file's scenario, all of its capsules with the integrator of that name.
+Scenario with_integrator(const std::string& file, std::vector<Override> overrides,
+                         const std::vector<BodyOptions>& bodies, const std::string& name) {
+  const std::string origin = "--integrators " + name;
+  overrides.push_back({"membrane.integrator", name, origin});
+  for (const BodyOptions& body : bodies) {
+    if (body.kind == BodyKind::capsule)
+      overrides.push_back({"body." + body.name + ".integrator", name, origin});
+  }
+  return load_scenario(file, overrides);
+}
+
 /// CLI11's complaint as one line, with the option or command that may have been meant.
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
@@ -142,14 +184,20 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
         ->allow_extra_args(false);
   };
   const auto add_output = [&](CLI::App* sub, const std::string& usual) {
-    sub->add_option("-o,--output", directory, "Directory of the run; " + usual)->type_name("DIR");
-    sub->add_flag("--force", command.force, "Replace the run that is in the directory");
+    sub->add_option("-o,--output", directory, "Directory of the results; " + usual)
+        ->type_name("DIR");
+    sub->add_flag("--force", command.force, "Replace the results that are in the directory");
+  };
+  const auto add_profile = [&command](CLI::App* sub) {
+    sub->add_flag("--profile", command.profile,
+                  "Show the time by part of every rank, and put it into summary.json");
   };
 
   CLI::App* run = app.add_subcommand("run", "Run a scenario file");
   run->add_option("FILE", file, "The scenario, TOML; see ductile keys")->required()->type_name("");
   add_set(run);
   add_output(run, "runs/NAME by default");
+  add_profile(run);
 
   CLI::App* pair = app.add_subcommand("pair", "Run one of the paper's pairs");
   std::string pair_name;
@@ -177,6 +225,22 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
   }
   add_set(pair);
   add_output(pair, "runs/CASE_x-lag_X by default");
+  add_profile(pair);
+
+  CLI::App* compare = app.add_subcommand(
+      "compare", "Run a scenario file with several membrane integrators, side by side");
+  compare->add_option("FILE", file, "The scenario, TOML")->required()->type_name("");
+  std::string integrators;
+  compare
+      ->add_option(
+          "--integrators", integrators,
+          fmt::format("What to compare, with commas between; all capsules take it, whatever "
+                      "the file says: {}",
+                      fmt::join(membrane::integrator_names(), ", ")))
+      ->required()
+      ->type_name("NAME,NAME,...");
+  add_set(compare);
+  add_output(compare, "runs/NAME_compare by default, with a directory for each integrator");
 
   CLI::App* check =
       app.add_subcommand("check", "Validate a scenario file and say what the run would be");
@@ -217,6 +281,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     command.scenario = load_scenario(file, overrides);
     return command;
   }
+  command.action = Command::Action::run;
   if (run->parsed()) {
     command.scenario = load_scenario(file, overrides);
     command.directory = std::filesystem::path("runs") / command.scenario.name;
@@ -225,10 +290,21 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     command.directory =
         std::filesystem::path("runs") /
         fmt::format("{}_x-lag_{}", command.scenario.name, command.scenario.bodies.at(1).x);
+  } else if (compare->parsed()) {
+    command.action = Command::Action::compare;
+    const std::vector<std::string> names = parsed_integrators(integrators);
+    command.scenario = load_scenario(file, overrides);
+    const std::vector<BodyOptions>& bodies = command.scenario.bodies;
+    if (std::none_of(bodies.begin(), bodies.end(),
+                     [](const BodyOptions& body) { return body.kind == BodyKind::capsule; })) {
+      throw InputError(file + ": has no capsule, and nothing else has a membrane to advance");
+    }
+    for (const std::string& name : names)
+      command.integrators.emplace_back(name, with_integrator(file, overrides, bodies, name));
+    command.directory = std::filesystem::path("runs") / (command.scenario.name + "_compare");
   } else {
     throw InputError("ductile: no command given; see ductile --help");
   }
-  command.action = Command::Action::run;
   if (!directory.empty()) command.directory = directory;
   require_free(command.directory, command.force);
   return command;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenario.hpp"
@@ -11,15 +12,19 @@ namespace ductile::drivers {
 
 struct Command {
   enum class Action {
-    print,  ///< `text`
-    check,  ///< report on `scenario`
-    run     ///< run `scenario` into `directory`
+    print,   ///< `text`
+    check,   ///< report on `scenario`
+    run,     ///< run `scenario` into `directory`
+    compare  ///< run `scenario` with each of `integrators`, each into a directory in `directory`
   };
   Action action = Action::print;
   std::string text;
   Scenario scenario;
+  /// By name, the scenario with all its capsules taking that integrator.
+  std::vector<std::pair<std::string, Scenario>> integrators;
   std::filesystem::path directory;
-  bool force = false;  ///< replace a run that is in the directory
+  bool force = false;    ///< replace a run that is in the directory
+  bool profile = false;  ///< show the time by part
 };
 
 /// What the arguments (without the program's name) ask for. Reads scenario files, writes nothing.

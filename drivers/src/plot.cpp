@@ -21,19 +21,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* interpreter = "/usr/bin/python3";
-constexpr const char* script_name = "plot_trajectory.py";
 
-bool warn(std::string_view reason) {
-  fmt::print(stderr, "warning: no trajectory.png: {}\n", reason);
-  return false;
-}
-
-std::optional<fs::path> find_script() {
+std::optional<fs::path> find_script(const char* name) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (const fs::path& candidate :
-       {program.parent_path().parent_path() / "share" / "ductile" / script_name,
-        fs::path(DUCTILE_PYTHON_DIR) / script_name}) {
+       {program.parent_path().parent_path() / "share" / "ductile" / name,
+        fs::path(DUCTILE_PYTHON_DIR) / name}) {
     if (fs::exists(candidate, error)) return candidate;
   }
   return std::nullopt;
@@ -74,10 +68,13 @@ std::string_view last_line(std::string_view text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-}  // namespace
-
-bool plot_trajectory(const fs::path& directory) {
-  const auto script = find_script();
+/// Lets the script draw `picture` into the directory that is its one argument.
+bool draw(const char* script_name, std::string_view picture, const fs::path& directory) {
+  const auto warn = [picture](std::string_view reason) {
+    fmt::print(stderr, "warning: no {}: {}\n", picture, reason);
+    return false;
+  };
+  const auto script = find_script(script_name);
   if (!script) return warn(fmt::format("{} not found", script_name));
   std::string python = interpreter;
   std::string script_text = script->string();
@@ -106,6 +103,16 @@ bool plot_trajectory(const fs::path& directory) {
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return warn(last_line(said));
   return true;
+}
+
+}  // namespace
+
+bool plot_trajectory(const fs::path& directory) {
+  return draw("plot_trajectory.py", "trajectory.png", directory);
+}
+
+bool plot_comparison(const fs::path& directory) {
+  return draw("plot_comparison.py", "compare.png", directory);
 }
 
 }  // namespace ductile::drivers

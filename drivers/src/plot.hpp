@@ -1,4 +1,4 @@
-// trajectory.png, drawn by plot_trajectory.py.
+// Pictures of results, drawn by the scripts in drivers/python.
 #pragma once
 
 #include <filesystem>
@@ -10,5 +10,8 @@ namespace ductile::drivers {
 /// script is found beside the installed program (../share/ductile), else in the source directory.
 /// A run does not fail for its picture: false, and one line of warning on stderr.
 bool plot_trajectory(const std::filesystem::path& directory);
+
+/// Draws DIRECTORY/compare.png from compare.json and the runs' trajectories, in the same way.
+bool plot_comparison(const std::filesystem::path& directory);
 
 }  // namespace ductile::drivers

@@ -86,14 +86,13 @@ class Recorder {
   }
 
   [[nodiscard]] bool pair() const { return scenario_.bodies.size() == 2; }
-  [[nodiscard]] const std::filesystem::path& directory() const { return directory_.path(); }
-  [[nodiscard]] const Sample& last() const { return last_; }
+  [[nodiscard]] std::vector<Sample>& samples() { return samples_; }
   [[nodiscard]] Surfaces& surfaces() { return *surfaces_; }
 
   // Takes a sample; says whether the run may end.
   Signal take(const Sample& sample) {
-    last_ = sample;
     trajectory_.write(sample);
+    samples_.push_back(sample);
     for (std::size_t b = 0; b < sample.bodies.size(); ++b) {
       const BodySample& body = sample.bodies[b];
       lateral_[b].update(sample.time, body.position.x());
@@ -113,14 +112,15 @@ class Recorder {
     warnings_.push_back(warning);
   }
 
-  Summary summarise(RunStatus status) const {
+  Summary summarise(RunStatus status, const std::vector<membrane::SolveStatistics>& solvers) const {
+    const Sample& last = samples_.back();
     Summary summary;
     summary.warnings = warnings_;
     summary.scenario = scenario_.name;
     summary.status = status;
     if (pair()) {
       summary.verdict = judge_.verdict();
-      summary.dz = axial_distance(last_);
+      summary.dz = axial_distance(last);
       const PairClass pair_class = judge_.verdict().pair_class;
       if (judge_.verdict().decided() && pair_class != PairClass::unstable &&
           std::abs(*summary.dz) > 0.5 * setup_.length / setup_.half_width) {
@@ -129,8 +129,8 @@ class Recorder {
             "image; use a longer channel");
       }
     }
-    for (std::size_t b = 0; b < last_.bodies.size(); ++b) {
-      const BodySample& sample = last_.bodies[b];
+    for (std::size_t b = 0; b < last.bodies.size(); ++b) {
+      const BodySample& sample = last.bodies[b];
       const BodyOptions& options = scenario_.bodies[b];
       BodySummary body;
       body.name = options.name;
@@ -144,6 +144,7 @@ class Recorder {
         capsule.deformation = sample.deformation;
         capsule.strain_energy = sample.strain_energy;
         capsule.strain = strain_[b].outlook();
+        capsule.solver = solvers[b];
         if (capsule.volume_error_max > 0.01) {
           summary.warnings.push_back("the volume of " + options.name +
                                      " changed by more than 1%; raise volume_modulus");
@@ -181,7 +182,7 @@ class Recorder {
   std::vector<double> volume_error_;
   std::optional<Surfaces> surfaces_;
   std::vector<std::string> warnings_;
-  Sample last_;
+  std::vector<Sample> samples_;
 };
 
 // All of a run on one rank; rank 0 has the recorder too.
@@ -203,7 +204,7 @@ class Simulation {
     coupler_.emplace(fluid_, std::move(members), static_cast<int>(scenario.bodies.size()));
   }
 
-  int run(const RunOptions& options);
+  RunResult run(const RunOptions& options);
 
  private:
   struct Owned {
@@ -236,11 +237,13 @@ class Simulation {
   Signal on_root(const std::function<Signal()>& work);
   std::vector<double> fetch(std::size_t body, std::span<const double> values);
   Sample sample();
+  std::vector<membrane::SolveStatistics> solvers();
+  std::optional<RunProfile> profile(double wall_time);
   void write_frame(bool with_fluid);
   Signal record(std::int64_t step);
   void check_fluid();
   void report_unread_options();
-  int finish(RunStatus status, std::optional<BlowUp> blow_up, double wall_time);
+  RunResult finish(RunStatus status, std::optional<BlowUp> blow_up);
 
   const Scenario& scenario_;
   const LatticeSetup& setup_;
@@ -252,6 +255,8 @@ class Simulation {
   std::optional<coupling::Coupler> coupler_;
   std::optional<Recorder> recorder_;
   std::optional<Progress> progress_;
+  bool profiled_ = false;
+  double start_ = 0;  // of the loop, by Progress::steady_seconds
 };
 
 Signal Simulation::on_root(const std::function<Signal()>& work) {
@@ -315,6 +320,42 @@ Sample Simulation::sample() {
     sample.bodies.push_back(s);
   }
   return sample;
+}
+
+// What the bodies' integrators have spent, on rank 0; zeros elsewhere.
+std::vector<membrane::SolveStatistics> Simulation::solvers() {
+  std::vector<membrane::SolveStatistics> list(scenario_.bodies.size());
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    std::vector<double> values;
+    if (const ImmersedBody* body = own(b)) {
+      const membrane::SolveStatistics s = body->solver();
+      for (const std::int64_t count :
+           {s.solves, s.newton_iterations, s.krylov_iterations, s.tangents, s.step_cuts}) {
+        values.push_back(static_cast<double>(count));
+      }
+    }
+    values = fetch(b, values);
+    if (rank_ != 0) continue;
+    const auto count = [&values](std::size_t n) { return static_cast<std::int64_t>(values[n]); };
+    list[b] = {count(0), count(1), count(2), count(3), count(4)};
+  }
+  return list;
+}
+
+// The time by part of all ranks, on rank 0; nothing on the others.
+std::optional<RunProfile> Simulation::profile(double wall_time) {
+  const coupling::Profile& own = coupler_->profile();
+  RunProfile::Rank mine{};
+  std::copy(own.seconds.begin(), own.seconds.end(), mine.begin());
+  mine.back() = wall_time - own.total();
+  RunProfile profile;
+  profile.steps = own.steps;
+  if (rank_ == 0) profile.ranks.resize(static_cast<std::size_t>(ranks_));
+  constexpr int count = static_cast<int>(RunProfile::parts);
+  check(
+      MPI_Gather(mine.data(), count, MPI_DOUBLE, profile.ranks.data(), count, MPI_DOUBLE, 0, comm_),
+      "MPI_Gather");
+  return rank_ == 0 ? std::optional(std::move(profile)) : std::nullopt;
 }
 
 void Simulation::write_frame(bool with_fluid) {
@@ -382,6 +423,7 @@ void Simulation::write_frame(bool with_fluid) {
   }
   if (rank_ != 0) return;
   std::vector<SurfaceState> states;
+  states.reserve(arrays.size());
   for (const auto& [x, u, f] : arrays) states.push_back({x, u, f});
   FluidState fluid;
   fluid.density = density;
@@ -458,7 +500,14 @@ void Simulation::report_unread_options() {
   }
 }
 
-int Simulation::run(const RunOptions& options) {
+RunResult not_done(int exit_code) {
+  RunResult result;
+  result.exit_code = static_cast<ExitCode>(exit_code);
+  return result;
+}
+
+RunResult Simulation::run(const RunOptions& options) {
+  profiled_ = options.profile;
   // A refusal to overwrite is the user's to mend; anything else here is the system's.
   int exit_code = exit_success;
   if (rank_ == 0) {
@@ -478,14 +527,13 @@ int Simulation::run(const RunOptions& options) {
     }
   }
   check(MPI_Bcast(&exit_code, 1, MPI_INT, 0, comm_), "MPI_Bcast");
-  if (exit_code != exit_success) return exit_code;
+  if (exit_code != exit_success) return not_done(exit_code);
 
-  stop_requested = 0;
   for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) std::signal(signal, request_stop);
-  const double start = MPI_Wtime();
+  start_ = Progress::steady_seconds();
   const auto blew_up = [&](BlowUp blow_up) {
     blow_up.reason += "; `ductile check` tells the margins of stability";
-    return finish(RunStatus::blew_up, std::move(blow_up), MPI_Wtime() - start);
+    return finish(RunStatus::blew_up, std::move(blow_up));
   };
   try {
     Signal signal = record(0);
@@ -496,12 +544,12 @@ int Simulation::run(const RunOptions& options) {
       signal = record(fluid_.time());
       if (progress_) progress_->update(time(), fluid_.time());
     }
-    if (signal == failed_output) return exit_failure;
+    if (signal == failed_output) return not_done(exit_failure);
     const RunStatus status = signal == decided       ? RunStatus::decided
                              : signal == too_far     ? RunStatus::stop_distance
                              : signal == interrupted ? RunStatus::interrupted
                                                      : RunStatus::finished;
-    return finish(status, std::nullopt, MPI_Wtime() - start);
+    return finish(status, std::nullopt);
   } catch (const coupling::BodyFailure& failure) {
     return blew_up({failure.step(), scenario_.bodies[static_cast<std::size_t>(failure.body())].name,
                     failure.marker(), failure.reason()});
@@ -510,10 +558,17 @@ int Simulation::run(const RunOptions& options) {
   }
 }
 
-int Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up, double wall_time) {
+RunResult Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up) {
+  const double wall_time = Progress::steady_seconds() - start_;
+  std::optional<RunProfile> times;
+  if (profiled_) times = profile(wall_time);
+  const std::vector<membrane::SolveStatistics> spent = solvers();
+  RunResult result;
+  result.exit_code = status == RunStatus::blew_up ? exit_blow_up : exit_success;
+  result.interrupted = status == RunStatus::interrupted;
   const Signal signal = on_root([&] {
     progress_->finish();
-    Summary summary = recorder_->summarise(status);
+    Summary summary = recorder_->summarise(status, spent);
     if (status == RunStatus::finished && summary.verdict && !summary.verdict->decided()) {
       summary.status = RunStatus::time_limit;
     }
@@ -524,38 +579,15 @@ int Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up, double w
     summary.updates_per_second =
         static_cast<double>(setup_.node_count()) * static_cast<double>(fluid_.time()) / wall_time;
     summary.ranks = ranks_;
+    summary.profile = std::move(times);
     summary.versions = versions();
     recorder_->write(summary);
-    if (summary.blow_up) {
-      const std::string who =
-          summary.blow_up->body.empty() ? "the fluid" : "body " + summary.blow_up->body;
-      std::fprintf(stderr, "ductile: %s blew up at step %lld (t = %.4g): %s\n", who.c_str(),
-                   static_cast<long long>(summary.blow_up->step), summary.time,
-                   summary.blow_up->reason.c_str());
-      std::fprintf(stderr, "what was computed until then is in %s\n",
-                   recorder_->directory().string().c_str());
-      return go_on;
-    }
-    if (summary.verdict) {
-      std::printf("%s: dz = %.3f at t = %.2f (%s)\n",
-                  std::string(to_string(summary.verdict->pair_class)).c_str(), *summary.dz,
-                  summary.time, summary.verdict->reason.c_str());
-    } else {
-      for (const BodySummary& body : summary.bodies) {
-        std::printf("%s: x = %.4f, y = %.4f, z = %.3f at t = %.2f\n", body.name.c_str(),
-                    body.position.x(), body.position.y(), body.position.z(), summary.time);
-      }
-    }
-    for (const std::string& warning : summary.warnings) {
-      std::printf("warning: %s\n", warning.c_str());
-    }
-    std::printf("%s, %.1f million updates a second; results in %s\n",
-                duration_text(wall_time).c_str(), summary.updates_per_second / 1e6,
-                recorder_->directory().string().c_str());
+    result.summary = std::move(summary);
+    result.samples = std::move(recorder_->samples());
     return go_on;
   });
-  if (signal == failed_output) return exit_failure;
-  return status == RunStatus::blew_up ? exit_blow_up : exit_success;
+  if (signal == failed_output) return not_done(exit_failure);
+  return result;
 }
 
 }  // namespace
@@ -605,8 +637,8 @@ fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI
   return fluid;
 }
 
-int run_simulation(const Scenario& scenario, const LatticeSetup& setup, const RunOptions& options,
-                   MPI_Comm comm) {
+RunResult run_simulation(const Scenario& scenario, const LatticeSetup& setup,
+                         const RunOptions& options, MPI_Comm comm) {
   return Simulation(scenario, setup, comm).run(options);
 }
 

@@ -4,10 +4,15 @@
 #include <mpi.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "ductile/fluid/fluid.hpp"
+#include "errors.hpp"
+#include "sample.hpp"
 #include "scenario.hpp"
+#include "summary.hpp"
 #include "units.hpp"
 
 namespace ductile::drivers {
@@ -16,14 +21,25 @@ struct RunOptions {
   std::filesystem::path directory;
   std::string scenario_text;  ///< resolved; written to scenario.toml
   bool force = false;         ///< a run of before in the directory is replaced
+  bool profile = false;       ///< the summary holds the time by part
+};
+
+/// What came of a run.
+struct RunResult {
+  ExitCode exit_code = exit_success;  ///< the same on all ranks
+  bool interrupted = false;           ///< by a signal; the same on all ranks
+  /// On rank 0, unless the run could not be done: the summary as written, and the rows of
+  /// trajectory.csv.
+  std::optional<Summary> summary;
+  std::vector<Sample> samples;
 };
 
 /// The fluid of a scenario, in its initial state. Collective.
 fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI_Comm comm);
 
-/// Runs the scenario until it is decided, over, or fails, and writes the run directory. Progress
-/// and outcome are printed by rank 0. Returns the same ExitCode on all ranks. Collective.
-int run_simulation(const Scenario& scenario, const LatticeSetup& setup, const RunOptions& options,
-                   MPI_Comm comm);
+/// Runs the scenario until it is decided, over, or fails, and writes the run directory. Rank 0
+/// prints progress and what stands in the way of a run, not what came of it. Collective.
+RunResult run_simulation(const Scenario& scenario, const LatticeSetup& setup,
+                         const RunOptions& options, MPI_Comm comm);
 
 }  // namespace ductile::drivers

@@ -2,77 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <concepts>
-
+#include "json.hpp"
 #include "run_directory.hpp"
 
 namespace ductile::drivers {
 
 namespace {
-
-std::string quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    } else {
-      out += c;
-    }
-  }
-  return out + '"';
-}
-
-/// Text of JSON, made piece by piece; commas, line breaks and indents are its own affair.
-class Json {
- public:
-  void open(char bracket, std::string_view key = {}) {
-    begin(key);
-    text_ += bracket;
-    ++depth_;
-    empty_ = true;
-  }
-  void close(char bracket) {
-    --depth_;
-    if (!empty_) new_line();
-    text_ += bracket;
-    empty_ = false;
-  }
-  void add(std::string_view key, std::string_view value) { put(key, quoted(value)); }
-  void add(std::string_view key, std::integral auto value) { put(key, fmt::format("{}", value)); }
-  void add(std::string_view key, double value) { put(key, number(value)); }
-  void add(std::string_view key, const Eigen::Vector3d& v) {
-    put(key, fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z())));
-  }
-  template <typename T>
-  void add(std::string_view key, const std::optional<T>& value) {
-    value ? add(key, *value) : put(key, "null");
-  }
-  [[nodiscard]] std::string text() const { return text_ + '\n'; }
-
- private:
-  static std::string number(double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : "null";
-  }
-  void new_line() { text_ += '\n' + std::string(2 * depth_, ' '); }
-  void begin(std::string_view key) {
-    if (!empty_) text_ += ',';
-    if (depth_ > 0) new_line();
-    if (!key.empty()) text_ += quoted(key) + ": ";
-    empty_ = false;
-  }
-  void put(std::string_view key, std::string_view value) {
-    begin(key);
-    text_ += value;
-  }
-
-  std::string text_;
-  std::size_t depth_ = 0;
-  bool empty_ = true;
-};
 
 std::optional<bool> settled(const std::optional<Outlook>& outlook) {
   return outlook ? std::optional(outlook->settled) : std::nullopt;
@@ -88,7 +23,7 @@ std::optional<double> limit(const std::optional<Outlook>& outlook) {
                                                              : std::nullopt;
 }
 
-void add_body(Json& json, const BodySummary& body) {
+void add_body(Json& json, const BodySummary& body, std::int64_t steps) {
   json.open('{');
   json.add("name", body.name);
   json.add("position_W", body.position);
@@ -104,6 +39,7 @@ void add_body(Json& json, const BodySummary& body) {
     json.add("strain_energy_over_ks_a2", capsule.strain_energy);
     json.add("strain_energy_settled", settled(capsule.strain));
     json.add("strain_energy_rate", rate(capsule.strain));
+    add_solver(json, capsule.solver, steps);
   }
   json.close('}');
 }
@@ -128,19 +64,37 @@ std::string_view to_string(RunStatus status) {
   return "blew up";
 }
 
+void add_blow_up(Json& json, const BlowUp& blow_up) {
+  json.open('{', "blow_up");
+  json.add("step", blow_up.step);
+  json.add("body", blow_up.body.empty() ? "fluid" : blow_up.body);
+  json.add("vertex", blow_up.vertex);
+  json.add("reason", blow_up.reason);
+  json.close('}');
+}
+
+void add_solver(Json& json, const membrane::SolveStatistics& solver, std::int64_t steps) {
+  if (solver.solves == 0) return;
+  const auto per_step = [steps](std::int64_t count) {
+    return static_cast<double>(count) / static_cast<double>(steps);
+  };
+  json.open('{', "solver");
+  json.add("solves", solver.solves);
+  json.add("newton_iterations", solver.newton_iterations);
+  json.add("krylov_iterations", solver.krylov_iterations);
+  json.add("newton_iterations_per_step", per_step(solver.newton_iterations));
+  json.add("krylov_iterations_per_step", per_step(solver.krylov_iterations));
+  json.add("tangents", solver.tangents);
+  json.add("step_cuts", solver.step_cuts);
+  json.close('}');
+}
+
 std::string to_json(const Summary& summary) {
   Json json;
   json.open('{');
   json.add("scenario", summary.scenario);
   json.add("status", to_string(summary.status));
-  if (summary.blow_up) {
-    json.open('{', "blow_up");
-    json.add("step", summary.blow_up->step);
-    json.add("body", summary.blow_up->body.empty() ? "fluid" : summary.blow_up->body);
-    json.add("vertex", summary.blow_up->vertex);
-    json.add("reason", summary.blow_up->reason);
-    json.close('}');
-  }
+  if (summary.blow_up) add_blow_up(json, *summary.blow_up);
   if (summary.verdict) {
     json.add("verdict", to_string(summary.verdict->pair_class));
     json.add("verdict_reason", summary.verdict->reason);
@@ -150,7 +104,7 @@ std::string to_json(const Summary& summary) {
   json.add("time_W2_over_nu", summary.time);
   json.add("steps", summary.steps);
   json.open('[', "bodies");
-  for (const auto& body : summary.bodies) add_body(json, body);
+  for (const auto& body : summary.bodies) add_body(json, body, summary.steps);
   json.close(']');
   json.open('[', "warnings");
   for (const auto& warning : summary.warnings) json.add({}, warning);
@@ -158,6 +112,11 @@ std::string to_json(const Summary& summary) {
   json.add("wall_time_s", summary.wall_time);
   json.add("updates_per_second", summary.updates_per_second);
   json.add("ranks", summary.ranks);
+  if (summary.profile) {
+    json.open('{', "profile");
+    add_profile(json, *summary.profile);
+    json.close('}');
+  }
   json.open('{', "versions");
   for (const auto& [name, version] : summary.versions) json.add(name, version);
   json.close('}');

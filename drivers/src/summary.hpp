@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "ductile/membrane/integrator.hpp"
+#include "profile.hpp"
 #include "verdict.hpp"
 
 namespace ductile::drivers {
@@ -31,14 +33,18 @@ struct BlowUp {
   std::string body;                   ///< empty: the fluid
   std::optional<std::size_t> vertex;  ///< of the body, where one is known
   std::string reason;
+
+  /// "the fluid" or "body NAME".
+  [[nodiscard]] std::string who() const { return body.empty() ? "the fluid" : "body " + body; }
 };
 
 struct CapsuleSummary {
-  double k_v = 0;                 ///< used [rho nu^2/W^2]
-  double volume_error_max = 0;    ///< largest |V - V0|/V0 of the run
-  double deformation = 0;         ///< Taylor's D at the end
-  double strain_energy = 0;       ///< E_s/(k_s a^2) at the end
-  std::optional<Outlook> strain;  ///< nothing: the run is too short to tell
+  double k_v = 0;                      ///< used [rho nu^2/W^2]
+  double volume_error_max = 0;         ///< largest |V - V0|/V0 of the run
+  double deformation = 0;              ///< Taylor's D at the end
+  double strain_energy = 0;            ///< E_s/(k_s a^2) at the end
+  std::optional<Outlook> strain;       ///< nothing: the run is too short to tell
+  membrane::SolveStatistics solver{};  ///< of the whole run; zeros where nothing is solved
 };
 
 struct BodySummary {
@@ -62,12 +68,17 @@ struct Summary {
   double wall_time = 0;           ///< [s]
   double updates_per_second = 0;  ///< lattice nodes x steps / wall time
   int ranks = 1;
+  std::optional<RunProfile> profile;  ///< where it was asked for
   std::vector<std::pair<std::string, std::string>> versions;
 };
 
-/// The summary as JSON: numbers read back as the same double, null for what is not finite or not
-/// known.
+/// The summary as JSON.
 std::string to_json(const Summary& summary);
+
+/// Parts of it that compare.json has too: "blow_up", and "solver", which is left out of a scheme
+/// that solves nothing.
+void add_blow_up(Json& json, const BlowUp& blow_up);
+void add_solver(Json& json, const membrane::SolveStatistics& solver, std::int64_t steps);
 
 /// Writes it to `file`, whole or not at all. Throws OutputError.
 void write_summary(const std::filesystem::path& file, const Summary& summary);

@@ -172,7 +172,8 @@ TEST(ImmersedBoundary, InterpolationIsExactForLinearFields) {
 TEST(Response, IsSymmetricAndPositiveSemiDefinite) {
   constexpr std::size_t markers = 40;
   const std::vector<double> x = random_numbers(3 * markers, -4, 4, 5);
-  const MarkerResponse response(x);
+  MarkerResponse response;
+  response.locate(x);
   for (unsigned seed = 0; seed < 20; ++seed) {
     const std::vector<double> a = random_numbers(3 * markers, -1, 1, 10 + seed);
     const std::vector<double> b = random_numbers(3 * markers, -1, 1, 100 + seed);

@@ -1,9 +1,11 @@
 // The same bits on any number of ranks: each rank also computes the whole on its own.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <random>
+#include <thread>
 
 #include "coupling/bodies.hpp"
 #include "ductile/coupling/coupler.hpp"
@@ -117,6 +119,40 @@ TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
     EXPECT_EQ(failure.body(), 1);
     EXPECT_EQ(failure.reason(), "enough");
     EXPECT_EQ(fluid.time(), 2);
+  }
+}
+
+// What holds on a machine however busy: sleep_for() sleeps at least as long as it says, and laps
+// that follow each other cannot add up to more than the time from before the first to after the
+// last, by the same clock.
+TEST(Profile, PartsAreOfTheStepAndASlowBodyIsFoundInItsPart) {
+  fluid::Fluid fluid(MPI_COMM_WORLD, channel(fluid::Boundary::periodic));
+  auto list = bodies();
+  constexpr std::chrono::milliseconds nap(5);
+  list[1] = std::make_unique<Explicit>(std::vector<double>{7, 7, 7}, [&](auto, auto force) {
+    std::this_thread::sleep_for(nap);
+    std::fill(force.begin(), force.end(), 0.0);
+  });
+  Coupler coupler(fluid, share_of(list, rank(), ranks()), 4);
+  EXPECT_EQ(coupler.profile().steps, 0);
+  EXPECT_EQ(coupler.profile().total(), 0);
+  coupler.step();
+  coupler.reset_profile();
+  EXPECT_EQ(coupler.profile().total(), 0);
+
+  constexpr int steps = 10;
+  const auto start = std::chrono::steady_clock::now();
+  for (int n = 0; n < steps; ++n) coupler.step();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const coupling::Profile& profile = coupler.profile();
+  EXPECT_EQ(profile.steps, steps);
+  for (const double seconds : profile.seconds) EXPECT_GE(seconds, 0);
+  EXPECT_GT(profile[coupling::Part::fluid], 0);
+  constexpr double round_off = 1e-12;  // some 200 additions of times under a second
+  EXPECT_LE(profile.total(), elapsed.count() + round_off);
+  const double asleep = std::chrono::duration<double>(steps * nap).count();
+  if (rank() == 1 % ranks()) {
+    EXPECT_GE(profile[coupling::Part::bodies], asleep - round_off);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ductile/membrane/integrator.hpp"
 #include "errors.hpp"
 #include "pairs.hpp"
 
@@ -86,6 +87,71 @@ TEST(CommandLine, DirectoriesAreNamedForTheRun) {
   EXPECT_EQ(parse_command_line({"run", scenario_dir + "/rigid.toml"}).directory, "runs/rigid");
   EXPECT_EQ(parse_command_line({"pair", "M1", "--x-lag", "0", "-o", "some/where"}).directory,
             "some/where");
+}
+
+// Whatever file and --set say of single bodies; rigid ones have no integrator.
+TEST(CommandLine, CompareGivesAllCapsulesEachIntegrator) {
+  const std::string file = DUCTILE_SOURCE_DIR "/tests/drivers/three_kinds.toml";
+  const Command command = parse_command_line(
+      {"compare", file, "--integrators", "adams-bashforth,explicit-euler", "--set",
+       "body.cell.integrator=adams-bashforth", "--set", "run.time_limit=0.1"});
+  EXPECT_EQ(command.action, Command::Action::compare);
+  EXPECT_EQ(command.directory, "runs/three-kinds_compare");
+  ASSERT_EQ(command.integrators.size(), 2U);
+  EXPECT_EQ(command.integrators[0].first, "adams-bashforth");
+  EXPECT_EQ(command.integrators[1].first, "explicit-euler");
+  for (const auto& [name, scenario] : command.integrators) {
+    EXPECT_EQ(scenario.run.time_limit, 0.1);
+    for (const BodyOptions& body : scenario.bodies) {
+      if (body.kind == BodyKind::rigid) continue;
+      EXPECT_EQ(body.membrane.integrator, name) << body.name;
+    }
+    // Nothing else differs from the scenario itself.
+    Scenario same = scenario;
+    same.membrane.integrator = command.scenario.membrane.integrator;
+    for (std::size_t b = 0; b < same.bodies.size(); ++b)
+      same.bodies[b].membrane.integrator = command.scenario.bodies[b].membrane.integrator;
+    EXPECT_EQ(same, command.scenario);
+  }
+}
+
+TEST(CommandLine, CompareRefusesWhatItCannotCompare) {
+  const std::string file = scenario_dir + "/quickstart.toml";
+  const auto with = [&file](const std::string& names) {
+    return refused({"compare", file, "--integrators", names});
+  };
+  EXPECT_EQ(with("explicit-euler,adams-bashfort"),
+            "--integrators explicit-euler,adams-bashfort: unknown integrator \"adams-bashfort\"; "
+            "did you mean \"adams-bashforth\"?");
+  std::string known;
+  for (const std::string_view name : membrane::integrator_names())
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  EXPECT_EQ(with("explicit-euler,,"),
+            "--integrators explicit-euler,,: unknown integrator \"\"; "
+            "the integrators are " +
+                known);
+  EXPECT_EQ(with("explicit-euler,adams-bashforth,explicit-euler"),
+            "--integrators explicit-euler,adams-bashforth,explicit-euler: explicit-euler is there "
+            "twice");
+  EXPECT_EQ(with("explicit-euler"),
+            "--integrators explicit-euler: name at least two, with commas between: the integrators "
+            "are " +
+                known);
+  EXPECT_EQ(refused({"compare", file}),
+            "ductile compare: --integrators is required; see ductile compare --help");
+  const std::string rigid = scenario_dir + "/rigid.toml";
+  EXPECT_EQ(refused({"compare", rigid, "--integrators", "explicit-euler,adams-bashforth"}),
+            rigid + ": has no capsule, and nothing else has a membrane to advance");
+  // A mistake in the file is named before anything is run.
+  EXPECT_EQ(refused({"compare", file, "--integrators", "explicit-euler,adams-bashforth", "--set",
+                     "body.lag.laplace=x"}),
+            "--set body.lag.laplace=x: must be a number from 0 to 10000000");
+}
+
+TEST(CommandLine, ProfileIsAskedFor) {
+  EXPECT_FALSE(parse_command_line({"run", scenario_dir + "/rigid.toml"}).profile);
+  EXPECT_TRUE(parse_command_line({"run", scenario_dir + "/rigid.toml", "--profile"}).profile);
+  EXPECT_TRUE(parse_command_line({"pair", "M1", "--x-lag", "0", "--profile"}).profile);
 }
 
 TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {

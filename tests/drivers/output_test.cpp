@@ -444,7 +444,7 @@ class SummaryFile : public Output {
     s.status = RunStatus::blew_up;
     s.blow_up = BlowUp{123456789012, "lag", 17, "speed 0.7 exceeds 0.3"};
     s.time = 0.1 + 0.2;
-    s.steps = 123456789012;
+    s.steps = 400;
     s.verdict = Verdict{PairClass::damped, 47, "dz rests at 1.2"};
     s.dz = std::sqrt(2.0);
     BodySummary lead{"lead", {0.1, -0.0, 1e300}, {0, 1.0 / 3, std::nan("")}, {}, {}};
@@ -452,13 +452,18 @@ class SummaryFile : public Output {
     BodySummary lag = lead;
     lag.name = "lag";
     lag.lateral.reset();
-    lag.capsule = CapsuleSummary{75000, 0.002, 0.1, 0.0018,
-                                 Outlook{Outlook::State::moving, 0.0018, 1e-3, 0.0018, 0, false}};
+    lag.capsule = CapsuleSummary{75000,
+                                 0.002,
+                                 0.1,
+                                 0.0018,
+                                 Outlook{Outlook::State::moving, 0.0018, 1e-3, 0.0018, 0, false},
+                                 {500, 1200, 9000, 700, 3}};
     s.bodies = {lead, lag};
     s.warnings = {"strain energy of lag has not settled"};
     s.wall_time = 61.5;
     s.updates_per_second = 6.02e7;
     s.ranks = 2;
+    s.profile = RunProfile{400, {{1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.1, 0, 0, 0, 0, 0, 0, 0, 1e-9}}};
     s.versions = {{"ductile", "0.1.0"}, {"PETSc", "3.18.5"}};
     return s;
   }
@@ -474,7 +479,7 @@ assert s['scenario'] == 'M2 "x_lag = 0" \\ tab\t line\n \u00b5', s['scenario']
 assert s['status'] == 'blew up'
 assert s['blow_up'] == {'step': 123456789012, 'body': 'lag', 'vertex': 17,
                         'reason': 'speed 0.7 exceeds 0.3'}
-assert s['time_W2_over_nu'] == 0.1 + 0.2 and s['steps'] == 123456789012
+assert s['time_W2_over_nu'] == 0.1 + 0.2 and s['steps'] == 400
 assert (s['verdict'], s['verdict_time'], s['verdict_reason']) == ('damped', 47, 'dz rests at 1.2')
 assert s['dz_W'] == math.sqrt(2)
 assert lead['name'] == 'lead' and lead['position_W'] == [0.1, 0, 1e300]
@@ -484,6 +489,15 @@ assert 'k_v_rho_nu2_over_W2' not in lead
 assert lag['x_settled'] is None and lag['x_limit_W'] is None
 assert lag['k_v_rho_nu2_over_W2'] == 75000 and lag['volume_error_max'] == 0.002
 assert lag['strain_energy_settled'] is False and lag['strain_energy_over_ks_a2'] == 0.0018
+assert 'solver' not in lead
+assert lag['solver'] == {'solves': 500, 'newton_iterations': 1200, 'krylov_iterations': 9000,
+                         'newton_iterations_per_step': 3, 'krylov_iterations_per_step': 22.5,
+                         'tangents': 700, 'step_cuts': 3}
+seconds = s['profile']['seconds_by_rank']
+assert s['profile']['steps'] == 400
+assert list(seconds) == ['fluid', 'boxes', 'locating', 'interpolation', 'bodies', 'spreading',
+                         'exchange', 'waiting', 'output']
+assert seconds['fluid'] == [1, 0.1] and seconds['output'] == [9, 1e-9]
 assert s['warnings'] == ['strain energy of lag has not settled']
 assert (s['wall_time_s'], s['updates_per_second'], s['ranks']) == (61.5, 6.02e7, 2)
 assert s['versions'] == {'ductile': '0.1.0', 'PETSc': '3.18.5'}
@@ -499,9 +513,10 @@ TEST_F(SummaryFile, OfASingleBodyHasNoVerdict) {
   EXPECT_EQ(python(R"(
 import json, sys
 s = json.load(open(sys.argv[1] + '/summary.json', encoding='utf-8'))
-print(s['status'], 'verdict' in s, 'dz_W' in s, 'blow_up' in s, s['warnings'], len(s['bodies']))
+print(s['status'], 'verdict' in s, 'dz_W' in s, 'blow_up' in s, 'profile' in s, s['warnings'],
+      len(s['bodies']))
 )"),
-            "finished False False False [] 1\n");
+            "finished False False False False [] 1\n");
 }
 
 class ProgressLine : public Output {
@@ -585,6 +600,15 @@ TEST_F(Plot, IsDrawnOfAPairThatDied) {
   write("summary.json", "{\"status\": \"blew");
   EXPECT_TRUE(plot_trajectory(directory_));
   EXPECT_TRUE(is_png());
+}
+
+TEST_F(Plot, OfAComparisonWarnsInOneLineWhereItCannot) {
+  ::testing::internal::CaptureStderr();
+  EXPECT_FALSE(plot_comparison(directory_));
+  const std::string printed = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::ranges::count(printed, '\n'), 1) << printed;
+  EXPECT_TRUE(printed.starts_with("warning: no compare.png: ")) << printed;
+  EXPECT_NE(printed.find("compare.json"), std::string::npos) << printed;
 }
 
 TEST_F(Plot, WarnsInOneLineWhereItCannot) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ductile/coupling/body.hpp"
+#include "ductile/coupling/profile.hpp"
 #include "ductile/fluid/fluid.hpp"
 
 namespace ductile::coupling {
@@ -58,6 +59,11 @@ class Coupler {
 
   /// Bytes that this rank has sent to others so far.
   [[nodiscard]] std::uint64_t bytes_sent() const;
+
+  /// Where this rank's time has gone since construction, or since reset_profile(). Always kept: a
+  /// step reads the clock some twenty times. A step that throws counts until then.
+  [[nodiscard]] const Profile& profile() const;
+  void reset_profile();
 
  private:
   class Impl;

@@ -1,0 +1,95 @@
+#include "profile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+namespace ductile::drivers {
+namespace {
+
+constexpr std::size_t most_shown_ranks = 4;
+
+double sum(const RunProfile::Rank& rank, std::size_t count) {
+  return std::accumulate(rank.begin(), rank.begin() + static_cast<std::ptrdiff_t>(count), 0.0);
+}
+
+/// The seconds of all ranks in one part, and the whole runs of which they are shares.
+std::string row(std::string_view name, const std::vector<double>& seconds,
+                const std::vector<double>& whole, double steps) {
+  std::string text = fmt::format("{:<14}", name);
+  const std::size_t count = seconds.size();
+  const auto share = [](double part, double all) { return all > 0 ? 100 * part / all : 0.0; };
+  if (count <= most_shown_ranks) {
+    for (std::size_t r = 0; r < count; ++r)
+      text += fmt::format(" {:>9.2f} {:>5.1f}%", seconds[r], share(seconds[r], whole[r]));
+  }
+  const auto [least, largest] = std::minmax_element(seconds.begin(), seconds.end());
+  const double all = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  if (count > 1) {
+    text += fmt::format(" {:>9.2f} {:>9.2f} {:>9.2f}", *least, all / static_cast<double>(count),
+                        *largest);
+  }
+  if (count > most_shown_ranks)
+    text += fmt::format(" {:>5.1f}%", share(all, std::accumulate(whole.begin(), whole.end(), 0.0)));
+  return text + fmt::format(" {:>11.4f}\n", steps > 0 ? 1e3 * *largest / steps : 0.0);
+}
+
+}  // namespace
+
+std::array<std::string_view, RunProfile::parts> RunProfile::names() {
+  std::array<std::string_view, parts> names;
+  std::copy(coupling::part_names.begin(), coupling::part_names.end(), names.begin());
+  names.back() = "output";
+  return names;
+}
+
+double RunProfile::largest(coupling::Part part) const {
+  double most = 0;
+  for (const Rank& rank : ranks) most = std::max(most, rank[static_cast<std::size_t>(part)]);
+  return most;
+}
+
+double RunProfile::longest_step() const {
+  double most = 0;
+  for (const Rank& rank : ranks) most = std::max(most, sum(rank, parts - 1));
+  return most;
+}
+
+std::string table(const RunProfile& profile) {
+  const std::size_t count = profile.ranks.size();
+  std::string text = fmt::format("{:<14}", "time by part");
+  if (count <= most_shown_ranks) {
+    for (std::size_t r = 0; r < count; ++r)
+      text += fmt::format(" {:>16}", fmt::format("rank {} [s]", r));
+  }
+  if (count > 1) text += fmt::format(" {:>9} {:>9} {:>9}", "least [s]", "mean [s]", "most [s]");
+  if (count > most_shown_ranks) text += fmt::format(" {:>6}", "share");
+  text += fmt::format(" {:>11}\n", count > 1 ? "most ms/step" : "ms/step");
+
+  std::vector<double> whole;
+  for (const RunProfile::Rank& rank : profile.ranks) whole.push_back(sum(rank, RunProfile::parts));
+  const auto steps = static_cast<double>(profile.steps);
+  const auto names = RunProfile::names();
+  for (std::size_t part = 0; part < names.size(); ++part) {
+    std::vector<double> seconds;
+    for (const RunProfile::Rank& rank : profile.ranks) seconds.push_back(rank[part]);
+    text += row(names[part], seconds, whole, steps);
+  }
+  return text + row("whole run", whole, whole, steps);
+}
+
+void add_profile(Json& json, const RunProfile& profile) {
+  json.add("steps", profile.steps);
+  json.open('{', "seconds_by_rank");
+  const auto names = RunProfile::names();
+  for (std::size_t part = 0; part < names.size(); ++part) {
+    std::vector<double> seconds;
+    for (const RunProfile::Rank& rank : profile.ranks) seconds.push_back(rank[part]);
+    json.add(names[part], std::span<const double>(seconds));
+  }
+  json.close('}');
+}
+
+}  // namespace ductile::drivers
