@@ -140,9 +140,10 @@ def key(axes, runs):
     """Above the panel. Colours are integrators, line styles are bodies."""
     handles, labels = [], []
     for i, run in enumerate(runs):
-        failed = " (blew up)" if run["status"] == "blew up" else ""
+        remarks = ["reference"] if i == 0 else []
+        remarks += ["blew up"] if run["status"] == "blew up" else []
         handles.append(Line2D([], [], **line(i, runs)))
-        labels.append(run["integrator"] + (" (reference)" if i == 0 else "") + failed)
+        labels.append(run["integrator"] + (f" ({', '.join(remarks)})" if remarks else ""))
     bodies = bodies_of(runs[0])
     if len(bodies) > 1:
         for b, body in enumerate(bodies[:len(STYLES)]):
@@ -167,7 +168,7 @@ def main(directory):
         panel.set_axisbelow(True)
     for panel in panels[:2]:
         panel.tick_params(labelbottom=False)
-    end = max(run["data"]["t"][-1] for run in runs)
+    end = max(run["time_W2_over_nu"] for run in runs)
     if end > 0:
         lateral.set_xlim(0, end)
     panels[2].set_xlabel(r"time  $t\,\nu/W^2$")
