@@ -19,6 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using test::Points;
+using test::sparse_tangent;
+using test::whole_tangent;
 
 constexpr double eps = 2.2e-16;
 
@@ -34,35 +36,6 @@ Points points_of(const VectorXd& all) {
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i] = all.segment<3>(3 * static_cast<Eigen::Index>(i));
   return points;
-}
-
-MatrixXd dense(Mat mat) {
-  PetscInt rows = 0, columns = 0;
-  petsc_check(MatGetSize(mat, &rows, &columns));
-  MatrixXd result = MatrixXd::Zero(rows, columns);
-  for (PetscInt row = 0; row < rows; ++row) {
-    PetscInt count = 0;
-    const PetscInt* column = nullptr;
-    const double* value = nullptr;
-    petsc_check(MatGetRow(mat, row, &count, &column, &value));
-    for (PetscInt k = 0; k < count; ++k) result(row, column[k]) = value[k];
-    petsc_check(MatRestoreRow(mat, row, &count, &column, &value));
-  }
-  return result;
-}
-
-MatrixXd sparse_tangent(const Shell& shell, const Points& points) {
-  const MatPtr k = shell.create_tangent();
-  shell.tangent(test::to_vec(points).get(), k.get());
-  return dense(k.get());
-}
-
-MatrixXd whole_tangent(const Shell& shell, const Points& points) {
-  const VecPtr gradient = shell.create_vec();
-  const double c = shell.volume_stiffness(test::to_vec(points).get(), gradient.get());
-  const VecArray<const double> array(gradient.get());
-  const auto g = VectorXd::Map(array.data(), static_cast<Eigen::Index>(array.size()));
-  return sparse_tangent(shell, points) + c * g * g.transpose();
 }
 
 // -dF/dx. Central differences of two steps, extrapolated: the rest is of order h^4, the round-off
