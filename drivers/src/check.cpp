@@ -8,9 +8,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <string_view>
+#include <utility>
 
 #include "ductile/membrane/mesh.hpp"
 #include "errors.hpp"
+#include "stability.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -109,16 +113,6 @@ double nearest_image(const Surface& a, const Surface& b, const Scenario& scenari
     }
   }
   return nearest;
-}
-
-double interpolated(const std::array<std::array<double, 2>, 4>& table, double x) {
-  for (std::size_t i = 1; i < table.size(); ++i) {
-    if (x <= table[i][0] || i + 1 == table.size()) {
-      const double weight = (x - table[i - 1][0]) / (table[i][0] - table[i - 1][0]);
-      return table[i - 1][1] + weight * (table[i][1] - table[i - 1][1]);
-    }
-  }
-  return 0;
 }
 
 std::string wall_name(const Scenario& scenario, const LatticeSetup& setup, const Gap& gap) {
@@ -252,15 +246,61 @@ void check_geometry(const Scenario& scenario, const LatticeSetup& setup) {
   }
 }
 
-double stable_shear_modulus(double tau) {
-  return interpolated({{{0.5, 0}, {0.6, 1.5}, {0.8, 2.9}, {1.0, 3.7}}}, tau);
+namespace {
+
+/// The models of a scenario's capsules; equal capsules share one.
+class Models {
+ public:
+  Models(const Scenario& scenario, const LatticeSetup& setup)
+      : scenario_(scenario), setup_(setup) {}
+
+  const StabilityModel& operator[](std::size_t body) {
+    const StabilityProblem problem = stability_problem(scenario_, setup_, body);
+    for (const auto& [known, model] : models_)
+      if (known == problem) return *model;
+    models_.emplace_back(problem, std::make_unique<StabilityModel>(problem));
+    return *models_.back().second;
+  }
+
+ private:
+  const Scenario& scenario_;
+  const LatticeSetup& setup_;
+  std::vector<std::pair<StabilityProblem, std::unique_ptr<StabilityModel>>> models_;
+};
+
+std::string percentages(const StabilityLoad& load, std::string_view integrator) {
+  return fmt::format("{:.0f}% of the limit of {} (shear {:.0f}%, bending {:.0f}%, volume {:.0f}%)",
+                     100 * load.total, integrator, 100 * load.shear, 100 * load.bending,
+                     100 * load.volume);
 }
 
-double stable_volume_modulus(double tau) {
-  return interpolated({{{0.5, 0}, {0.6, 3.8}, {0.8, 6.2}, {1.0, 7.7}}}, tau);
+/// Of the integrator that a capsule has, what there is to say.
+std::string judgement(std::string_view integrator, const StabilityModel& model) {
+  const std::string_view advised = advised_integrator(model);
+  const auto rather = [](std::string_view said, std::string_view otherwise) {
+    return fmt::format("{}; take {}", said, otherwise);
+  };
+  if (integrator == advised) return "the cheapest that is stable here";
+  if (has_stability_limit(integrator)) {
+    const double load = model.load(integrator).total;
+    if (load > 1) return rather("unstable here", advised);
+    if (load > sound_load) return rather("too near to its limit", advised);
+    return fmt::format("stable here, as {} is", advised);
+  }
+  return integrator == "semi-implicit" && advised == "implicit"
+             ? rather("not tried at such stiffness", advised)
+             : fmt::format("stable here, but {} is too and costs less", advised);
 }
 
-std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup) {
+/// What lowers the largest part of a load.
+std::string_view cure(const StabilityLoad& load) {
+  if (load.volume >= std::max(load.shear, load.bending)) return "lower volume_modulus or fluid.tau";
+  if (load.bending > load.shear) return "raise edge or lower bending, mobility or fluid.tau";
+  return "lower laplace or fluid.tau";
+}
+
+std::vector<std::string> find_warnings(const Scenario& scenario, const LatticeSetup& setup,
+                                       Models& models) {
   std::vector<std::string> list;
   if (setup.mach() > sound_mach) {
     list.push_back(
@@ -294,22 +334,13 @@ std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& 
                       "that the lattice cannot see will pile up; watch its strain energy",
                       name(scenario, i), edge));
     }
-    const double k_s_limit = stable_shear_modulus(setup.tau);
-    const double k_v_limit = stable_volume_modulus(setup.tau);
-    if (lattice.moduli.k_s > k_s_limit) {
-      list.push_back(
-          fmt::format("{} has k_s = {:.3g} in lattice units, above about {:.2g} where "
-                      "explicit-euler blows up at this tau: lower tau or laplace (limit "
-                      "here about {:.0f})",
-                      name(scenario, i), lattice.moduli.k_s, k_s_limit,
-                      k_s_limit * lattice.radius / (setup.nu * setup.nu)));
-    }
-    if (lattice.moduli.k_v > k_v_limit) {
-      list.push_back(
-          fmt::format("{} has k_v = {:.3g} in lattice units, above about {:.2g} where "
-                      "explicit-euler blows up at this tau: lower volume_modulus",
-                      name(scenario, i), lattice.moduli.k_v, k_v_limit));
-    }
+    if (!has_stability_limit(body.membrane.integrator)) continue;
+    const StabilityLoad load = models[i].load(body.membrane.integrator);
+    if (load.total <= sound_load) continue;
+    list.push_back(fmt::format("{} is at {}, {}: take membrane.integrator = \"{}\", or {}",
+                               name(scenario, i), percentages(load, body.membrane.integrator),
+                               load.total > 1 ? "beyond which it blows up" : "too near to rely on",
+                               advised_integrator(models[i]), cure(load)));
   }
   const double installed =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
@@ -318,6 +349,13 @@ std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& 
                                size(population_bytes(scenario, setup)), size(installed)));
   }
   return list;
+}
+
+}  // namespace
+
+std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup) {
+  Models models(scenario, setup);
+  return find_warnings(scenario, setup, models);
 }
 
 std::vector<std::string> notes(const Scenario& scenario, const LatticeSetup& setup) {
@@ -345,9 +383,8 @@ std::vector<std::string> notes(const Scenario& scenario, const LatticeSetup& set
   for (const auto& [k_v, names] : reduced) {
     list.push_back(fmt::format(
         "volume_modulus of {} is {:g} rho nu^2/W^2 ({:.2g} in lattice units), not the paper's "
-        "{:g} ({:.2g}; explicit-euler bears about {:.2g}): see the volume error",
-        names, k_v, k_v * unit, paper_volume_modulus, paper_volume_modulus * unit,
-        stable_volume_modulus(setup.tau)));
+        "{:g} ({:.2g}): see the volume error",
+        names, k_v, k_v * unit, paper_volume_modulus, paper_volume_modulus * unit));
   }
   return list;
 }
@@ -364,6 +401,7 @@ double estimated_seconds(const LatticeSetup& setup, int cores) {
 
 std::string report(const Scenario& scenario, const LatticeSetup& setup, int cores) {
   const ChannelOptions& channel = scenario.channel;
+  Models models(scenario, setup);
   std::string text;
   const auto line = [&text](std::string_view label, const std::string& content) {
     text += fmt::format("{:<10} {}\n", label, content);
@@ -405,10 +443,11 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
     line("", fmt::format("La = {}; in lattice units k_s = {:.4g}, k_a = {:.4g}, k_b = {:.4g}, "
                          "k_v = {:.4g}",
                          body.laplace, b.moduli.k_s, b.moduli.k_a, b.moduli.k_b, b.moduli.k_v));
-    line("",
-         fmt::format("stability of {}: k_s at {:.0f}% of its limit, k_v at {:.0f}%",
-                     body.membrane.integrator, 100 * b.moduli.k_s / stable_shear_modulus(setup.tau),
-                     100 * b.moduli.k_v / stable_volume_modulus(setup.tau)));
+    const std::string& integrator = body.membrane.integrator;
+    line("", "stability: " + percentages(models[i].load("explicit-euler"), "explicit-euler"));
+    if (integrator != "explicit-euler" && has_stability_limit(integrator))
+      line("", "stability: " + percentages(models[i].load(integrator), integrator));
+    line("", fmt::format("integrator {}: {}", integrator, judgement(integrator, models[i])));
   }
   const auto all = gaps(scenario, setup);
   for (const Gap::To to : {Gap::To::wall, Gap::To::body}) {
@@ -431,7 +470,8 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
                    duration(estimated_seconds(setup, cores)), cores, cores == 1 ? "" : "s",
                    assumed_updates / 1e6));
   for (const std::string& note : notes(scenario, setup)) line("note", note);
-  for (const std::string& warning : warnings(scenario, setup)) line("warning", warning);
+  for (const std::string& warning : find_warnings(scenario, setup, models))
+    line("warning", warning);
   return text;
 }
 

@@ -31,12 +31,8 @@ std::vector<Gap> gaps(const Scenario& scenario, const LatticeSetup& setup);
 /// between bodies.
 void check_geometry(const Scenario& scenario, const LatticeSetup& setup);
 
-/// Largest k_s and k_v, in lattice units, at which explicit coupling was stable (measured at 36
-/// nodes across, a = 7.2; they hardly depend on the mesh), for this tau.
-double stable_shear_modulus(double tau);
-double stable_volume_modulus(double tau);
-
-/// What a user should know before trusting the run, one line each.
+/// What a user should know before trusting the run, one line each. Predicts the stability of
+/// capsules with an explicit integrator (stability.hpp), which takes a moment.
 std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup);
 
 /// What the lattice or a default has made of the scenario that is not as the paper or the user has

@@ -70,7 +70,7 @@ constexpr double paper_volume_modulus = 75000;  ///< rho nu^2/W^2
 
 /// The volume modulus used where the scenario names none, in rho nu^2/W^2: the paper's 75000, or
 /// where that is above 1.5 in lattice units, what 1.5 comes to, rounded down to three digits. The
-/// explicit scheme is stable up to 7.7 lattice units at tau = 1, less at smaller tau (check.hpp).
+/// explicit scheme bears more, unless the capsule or tau is small (stability.hpp).
 double default_volume_modulus(double half_width, double nu);
 
 /// Throws ScenarioError if the Mach number is above 0.3.

@@ -1,0 +1,76 @@
+// Real runs of a capsule in a small box, to find whether an integrator is stable.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "adapters.hpp"
+#include "ductile/coupling/coupler.hpp"
+#include "ductile/fluid/fluid.hpp"
+#include "ductile/membrane/capsule.hpp"
+#include "ductile/membrane/mesh.hpp"
+#include "stability.hpp"
+
+namespace ductile::test {
+
+inline membrane::Mesh rest_shape(const drivers::StabilityProblem& p) {
+  return p.shape == drivers::BodyShape::biconcave ? membrane::biconcave(p.frequency, p.radius)
+                                                  : membrane::icosphere(p.frequency, p.radius);
+}
+
+/// Whether a capsule with `scale` times the problem's moduli fails: one that drifts with a uniform
+/// flow, its vertices off by 1e-6 at random. Its elastic energy grows a millionfold, or doubles in
+/// the second half of the run.
+inline bool fails_in_box(const drivers::StabilityProblem& p, const std::string& integrator,
+                         double scale, int steps) {
+  const membrane::Mesh reference = rest_shape(p);
+  double reach = 0;
+  for (const Eigen::Vector3d& v : reference.vertices) reach = std::max(reach, v.norm());
+  const int nodes = static_cast<int>(std::ceil(2 * reach)) + 10;
+
+  fluid::Options options;
+  options.nodes = {nodes, nodes, nodes};
+  options.tau = p.tau;
+  options.collision = p.collision;
+  options.magic = p.magic;
+  fluid::Fluid fluid(MPI_COMM_SELF, options);
+  // The mesh meets the lattice anew all the time, as in a channel.
+  fluid::NodeState drift;
+  drift.velocity = {0, 0, 0.047};
+  fluid.initialise([&](int, int, int) { return drift; });
+
+  membrane::Mesh mesh = reference;
+  membrane::place(mesh, p.rotation, Eigen::Vector3d(-0.3, -0.6, -0.2).array() + nodes / 2.0);
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  for (Eigen::Vector3d& v : mesh.vertices) {
+    for (double& x : v) x += 1e-6 * normal(generator);
+  }
+  membrane::Moduli moduli = p.moduli;
+  for (double* k : {&moduli.k_s, &moduli.k_a, &moduli.k_b, &moduli.k_v}) *k *= scale;
+  membrane::CapsuleOptions capsule_options;
+  capsule_options.mobility = p.mobility;
+  capsule_options.viscosity = fluid.viscosity();
+  capsule_options.integrator = membrane::make_integrator(integrator);
+  membrane::Capsule capsule(reference, mesh.vertices, moduli, capsule_options);
+  drivers::CapsuleMarkers markers(capsule);
+  coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
+
+  const double start = capsule.energies().total();
+  double half_way = start;
+  try {
+    for (int n = 1; n <= steps; ++n) {
+      coupler.step();
+      if (n == steps / 2) half_way = capsule.energies().total();
+      if (n % 20 == 0 && capsule.energies().total() > 1e6 * start) return true;
+    }
+  } catch (const coupling::BodyFailure&) {
+    return true;
+  }
+  return capsule.energies().total() > 2 * half_way;
+}
+
+}  // namespace ductile::test
