@@ -5,11 +5,12 @@
 
 Runs the capsule at La = 10 to 10^6 with the implicit integrator, and the rigid sphere, at 36 nodes
 across (a = 0.4, Re = 10, tau = 1, 6 W long), and draws soft_to_rigid.png beside this file. A run
-whose summary is there already is not repeated. The position is that of the run's end, extrapolated
-by the program (x_limit_W of summary.json) where the approach is exponential.
+whose summary is there already is not repeated. Each is released near to where it settles; x_eq is
+extrapolated from the positions at the run's end and 8 and 16 time units before (Aitken).
 """
 import argparse
 import concurrent.futures
+import csv
 import json
 import pathlib
 import shlex
@@ -38,14 +39,27 @@ def run(program, directory, scenario, settings):
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     summary = json.loads((directory / "summary.json").read_text())
     body = summary["bodies"][0]
-    limit = body["x_limit_W"]
+    x = body["position_W"][0]
     return {
         "t": summary["time_W2_over_nu"],
-        "x": body["position_W"][0],
-        "x_eq": body["position_W"][0] if limit is None else limit,
+        "x": x,
+        "x_eq": extrapolated(directory / "trajectory.csv"),
         "volume": body.get("volume_error_max"),
         "wall": summary["wall_time_s"],
     }
+
+
+def extrapolated(file, apart=8):
+    """The limit of an exponential approach; the last position where it is not one."""
+    with open(file, encoding="utf-8") as lines:
+        rows = list(csv.reader(lines))
+    column = rows[0].index("particle_x[W]")
+    track = [(float(row[0]), float(row[column])) for row in rows[1:]]
+    end = track[-1][0]
+    x0, x1, x2 = (min(track, key=lambda row: abs(row[0] - (end - n * apart)))[1]
+                  for n in (2, 1, 0))
+    ratio = (x2 - x1) / (x1 - x0) if x1 != x0 else 1
+    return x2 + (x2 - x1) * ratio / (1 - ratio) if 0 < ratio < 0.9 else x2
 
 
 def main():
