@@ -39,7 +39,8 @@ class CapsuleBody final : public ImmersedBody {
     sample.capsule = true;
     sample.deformation = shape.taylor_deformation();
     sample.volume_error = capsule_->volume_error();
-    sample.strain_energy = capsule_->energies().strain / energy_unit_;
+    // Without stiffness there is neither strain energy nor a unit for it.
+    sample.strain_energy = energy_unit_ > 0 ? capsule_->energies().strain / energy_unit_ : 0;
     return sample;
   }
   [[nodiscard]] membrane::SolveStatistics solver() const override { return capsule_->statistics(); }

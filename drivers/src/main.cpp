@@ -18,8 +18,10 @@
 #include "check.hpp"
 #include "command_line.hpp"
 #include "compare.hpp"
+#include "ductile/membrane/petsc.hpp"
 #include "errors.hpp"
 #include "outcome.hpp"
+#include "petsc_options.hpp"
 #include "plot.hpp"
 #include "scenario.hpp"
 #include "simulation.hpp"
@@ -114,6 +116,7 @@ Decision decide(const std::vector<std::string>& arguments) {
     const auto scenarios =
         compare ? command.integrators
                 : std::vector<std::pair<std::string, Scenario>>{{"", command.scenario}};
+    for (const auto& [integrator, scenario] : scenarios) try_petsc_options(scenario);
     advise(scenarios);
     for (const auto& [integrator, scenario] : scenarios)
       decision.variants.push_back({integrator, resolved_toml(scenario)});
@@ -129,23 +132,6 @@ Decision decide(const std::vector<std::string>& arguments) {
     decision.exit_code = exit_failure;
   }
   return decision;
-}
-
-void petsc(PetscErrorCode code, const char* call) {
-  if (code != 0) throw std::runtime_error(std::string("PETSc: ") + call + " failed");
-}
-
-/// Gives PETSc what the scenario's [petsc] says.
-void set_petsc_options(const Scenario& scenario) {
-  for (const auto& [name, value] : scenario.petsc) {
-    petsc(PetscOptionsSetValue(nullptr, ("-" + name).c_str(),
-                               value.empty() ? nullptr : value.c_str()),
-          "PetscOptionsSetValue");
-  }
-  // PetscFinalize() prints the log; to have one takes a start.
-  PetscBool log = PETSC_FALSE;
-  petsc(PetscOptionsHasName(nullptr, nullptr, "-log_view", &log), "PetscOptionsHasName");
-  if (log == PETSC_TRUE) petsc(PetscLogDefaultBegin(), "PetscLogDefaultBegin");
 }
 
 /// What to draw when MPI is down: directories, filled on rank 0.
@@ -213,6 +199,7 @@ int main(int argc, char** argv) {
   int exit_code = exit_failure;
   Pictures pictures;
   try {
+    ductile::membrane::quieten_petsc();
     exit_code = run_program({argv + 1, argv + argc}, PETSC_COMM_WORLD, pictures);
   } catch (const std::exception& error) {
     // The other ranks may be waiting for this one.

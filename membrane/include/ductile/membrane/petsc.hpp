@@ -13,6 +13,10 @@ namespace ductile::membrane {
 
 static_assert(std::is_same_v<PetscScalar, double>, "ductile needs PETSc in real double precision");
 
+/// From now on PETSc prints nothing when it fails; PetscFailure says what it would have printed.
+/// Not collective; call once, after PetscInitialize().
+void quieten_petsc();
+
 /// A PETSc call returned an error code.
 class PetscFailure : public std::runtime_error {
  public:
