@@ -59,7 +59,7 @@ std::vector<Override> parsed_petsc(const std::string& argument) {
     } else {
       throw InputError(fmt::format(
           "--petsc \"{}\": {} is neither an option nor an option's value: write as for PETSc, "
-          "such as --petsc \"-membrane_ksp_type cg -log_view\"",
+          "such as --petsc \"-membrane_ksp_type bcgs -log_view\"",
           argument, word));
     }
   }
@@ -176,9 +176,10 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
         ->type_name("KEY=VALUE")
         ->take_all()
         ->allow_extra_args(false);
-    sub->add_option("--petsc", petsc,
-                    "Options of PETSc, as in [petsc]: --petsc \"-membrane_ksp_type cg -log_view\"; "
-                    "may be repeated")
+    sub->add_option(
+           "--petsc", petsc,
+           "Options of PETSc, as in [petsc]: --petsc \"-membrane_ksp_type bcgs -log_view\"; "
+           "may be repeated")
         ->type_name("OPTIONS")
         ->take_all()
         ->allow_extra_args(false);

@@ -551,6 +551,7 @@ RunResult Simulation::run(const RunOptions& options) {
                                                      : RunStatus::finished;
     return finish(status, std::nullopt);
   } catch (const coupling::BodyFailure& failure) {
+    if (fluid_.time() == 0) report_unread_options();
     return blew_up({failure.step(), scenario_.bodies[static_cast<std::size_t>(failure.body())].name,
                     failure.marker(), failure.reason()});
   } catch (const FluidBlowUp& failure) {

@@ -1,6 +1,8 @@
 #include "implicit.hpp"
 
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace ductile::membrane {
 namespace {
@@ -29,6 +31,14 @@ Implicit::Implicit(const Shell& shell, Vec mobility, const IntegratorOptions& op
   petsc_check(SNESGetKSP(snes, &ksp));
   set_up(ksp);
   petsc_check(SNESSetFromOptions(snes));
+  PetscReal rtol = 0, ksp_rtol = 0;
+  petsc_check(SNESGetTolerances(snes, nullptr, &rtol, nullptr, nullptr, nullptr));
+  petsc_check(KSPGetTolerances(ksp, &ksp_rtol, nullptr, nullptr, nullptr));
+  if (!(rtol >= 0 && rtol < 1) || !(ksp_rtol > 0 && ksp_rtol < 1)) {
+    throw std::invalid_argument("integrator: -membrane_snes_rtol " + std::to_string(rtol) +
+                                " must be at least 0 and -membrane_ksp_rtol " +
+                                std::to_string(ksp_rtol) + " above 0, both below 1");
+  }
 }
 
 PetscErrorCode Implicit::function(SNES /*snes*/, Vec y, Vec r, void* self) {
@@ -71,6 +81,7 @@ PetscErrorCode Implicit::converged(SNES snes, PetscInt /*iteration*/, PetscReal 
 }
 
 SNESConvergedReason Implicit::newton(Vec unknown) {
+  left_ = target_ = std::numeric_limits<double>::quiet_NaN();
   const PetscErrorCode code = SNESSolve(snes_.get(), nullptr, unknown);
   equation().rethrow();
   petsc_check(code);
@@ -85,21 +96,32 @@ SNESConvergedReason Implicit::newton(Vec unknown) {
   return reason;
 }
 
+// Whatever solver was chosen, the force balance is what counts.
+bool Implicit::solved(Vec unknown, SNESConvergedReason reason) {
+  if (reason < 0) return false;
+  if (left_ <= target_) return true;
+  PetscReal rtol = 0, atol = 0;
+  petsc_check(SNESGetTolerances(snes_.get(), &atol, &rtol, nullptr, nullptr, nullptr));
+  equation().residual(unknown, residual_.get());
+  petsc_check(VecNorm(residual_.get(), NORM_2, &left_));
+  target_ = rtol * force_norm(unknown) + atol;
+  return left_ <= target_;
+}
+
 void Implicit::solve(Vec unknown) {
   petsc_check(VecCopy(unknown, guess_.get()));
+  full_newton_ = false;
   SNESConvergedReason reason = newton(unknown);
-  if (reason < 0) {
-    full_newton_ = true;
-    petsc_check(VecCopy(guess_.get(), unknown));
-    reason = newton(unknown);
-    full_newton_ = false;
-  }
-  if (reason < 0) {
-    PetscInt newton = 0, krylov = 0;
-    petsc_check(SNESGetIterationNumber(snes_.get(), &newton));
-    petsc_check(SNESGetLinearSolveIterations(snes_.get(), &krylov));
-    throw SolveFailure(SNESConvergedReasons[reason], newton, krylov, left_, target_);
-  }
+  if (solved(unknown, reason)) return;
+  full_newton_ = true;
+  petsc_check(VecCopy(guess_.get(), unknown));
+  reason = newton(unknown);
+  if (solved(unknown, reason)) return;
+  PetscInt newton = 0, krylov = 0;
+  petsc_check(SNESGetIterationNumber(snes_.get(), &newton));
+  petsc_check(SNESGetLinearSolveIterations(snes_.get(), &krylov));
+  throw SolveFailure(reason < 0 ? SNESConvergedReasons[reason] : "the solver stopped too early",
+                     newton, krylov, left_, target_);
 }
 
 }  // namespace ductile::membrane

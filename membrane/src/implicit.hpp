@@ -17,6 +17,7 @@ class Implicit final : public ImplicitStep {
  private:
   void solve(Vec unknown) override;
   SNESConvergedReason newton(Vec unknown);
+  bool solved(Vec unknown, SNESConvergedReason reason);
 
   static PetscErrorCode function(SNES snes, Vec y, Vec r, void* self);
   static PetscErrorCode jacobian(SNES snes, Vec y, Mat matrix, Mat preconditioner, void* self);

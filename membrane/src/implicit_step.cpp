@@ -19,10 +19,10 @@ std::string text(const Parts&... parts) {
 
 SolveFailure::SolveFailure(const std::string& reason, int newton_iterations, int krylov_iterations,
                            double residual, double target)
-    : std::runtime_error(text("the implicit step was not solved: ", reason, " after ",
-                              newton_iterations, " Newton and ", krylov_iterations,
-                              " Krylov iterations, residual ", residual, " of the force, ", target,
-                              " wanted; more substeps or step_cuts may help")),
+    : std::runtime_error(
+          text("the implicit step was not solved: ", reason, " after ", newton_iterations,
+               " Newton and ", krylov_iterations, " Krylov iterations, force out of balance by ",
+               residual, ", at most ", target, " wanted; more substeps or step_cuts may help")),
       reason_(reason),
       newton_iterations_(newton_iterations),
       krylov_iterations_(krylov_iterations),
@@ -121,7 +121,6 @@ void ImplicitStep::step(const State& state, const Response& response, int subste
     lumped_ = true;
     equation_.to_unknown(force_.get(), unknown_.get());
     solve(unknown_.get());
-    ++age_;
     ++statistics_.solves;
     equation_.to_force(unknown_.get(), force_.get());
     petsc_check(VecAXPY(mean_.get(), h, force_.get()));
@@ -142,6 +141,7 @@ void ImplicitStep::accept() {
   std::swap(last_, before_);
   petsc_check(VecCopy(mean_.get(), last_.get()));
   steps_ = std::min(steps_ + 1, 2);
+  ++age_;
 }
 
 }  // namespace ductile::membrane

@@ -6,7 +6,12 @@
 
 namespace ductile::membrane {
 
-/// One correction, in which the scheme solves for the force of the step; see StepEquation.
+/// In each of two corrections the scheme solves for the force of the step, see StepEquation: first
+/// against the forces that other bodies are expected to exert, then against those that they have
+/// found, and with what the response has missed of the fluid's density. Capsules whose kernels
+/// overlap so iterate on each other (block Jacobi, whose error changes sign with each round: with
+/// two rounds stiff ones were stable down to the smallest gap, with one or three they were not).
+/// Far from others the second solve has nothing left to do.
 ///
 /// `substeps` divide the step in that equation, and the fluid receives the mean of their forces:
 /// at theta = 1/2 the membrane moves with the fluid's own velocity for any number of them.
@@ -17,7 +22,7 @@ class ImplicitStep : public Integrator {
   /// Throws std::invalid_argument for options out of bounds.
   ImplicitStep(const Shell& shell, Vec mobility, const IntegratorOptions& options);
 
-  [[nodiscard]] int corrections() const override { return 1; }
+  [[nodiscard]] int corrections() const override { return 2; }
   void predict_force(const State& state, Vec force) override;
   /// Throws SolveFailure.
   void correct_force(const State& state, Vec fluid_velocity, const Response& response,
@@ -41,7 +46,7 @@ class ImplicitStep : public Integrator {
   /// |F| of an unknown y, over all forces.
   double force_norm(Vec unknown);
 
-  /// The tangent is kept over solves until it is `lag` of them old, or somebody asks for a new one.
+  /// The tangent is kept until it is `lag` steps old, or somebody asks for a new one.
   [[nodiscard]] bool tangent_is_due() const { return stale_; }
   void renew_tangent() { stale_ = true; }
   void linearise(Vec unknown);
@@ -56,7 +61,7 @@ class ImplicitStep : public Integrator {
   PetscInt lag_ = 20;
   bool lumped_ = false;
   bool stale_ = true;
-  PetscInt age_ = 0;  // solves since the tangent was assembled
+  PetscInt age_ = 0;  // steps since the tangent was assembled
   SolveStatistics statistics_;
 
   VecPtr last_, before_;  // F of the two steps before

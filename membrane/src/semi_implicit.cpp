@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace ductile::membrane {
 
@@ -20,6 +21,21 @@ SemiImplicit::SemiImplicit(const Shell& shell, Vec mobility, const IntegratorOpt
   petsc_check(KSPSetTolerances(ksp, 1e-3, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   petsc_check(KSPSetFromOptions(ksp));
   petsc_check(KSPGetTolerances(ksp, &rtol_, nullptr, nullptr, nullptr));
+  // The linear residual is all that tells whether a step was solved: it must be the true one.
+  PCSide side = PC_RIGHT;
+  PetscBool unchecked = PETSC_FALSE;
+  petsc_check(KSPGetPCSide(ksp, &side));
+  petsc_check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &unchecked));
+  if (side != PC_RIGHT || unchecked == PETSC_TRUE) {
+    throw std::invalid_argument(
+        "integrator: semi-implicit needs a -membrane_ksp_type that iterates, with "
+        "-membrane_ksp_pc_side right, such as gmres or bcgs");
+  }
+  if (!(rtol_ > 0 && rtol_ < 1)) {
+    throw std::invalid_argument("integrator: -membrane_ksp_rtol " + std::to_string(rtol_) +
+                                " must be above 0 and below 1: what the linear solve may leave of "
+                                "the force");
+  }
 }
 
 void SemiImplicit::solve(Vec unknown) {
@@ -27,13 +43,13 @@ void SemiImplicit::solve(Vec unknown) {
   PetscReal norm = 0;
   petsc_check(VecNorm(residual_.get(), NORM_2, &norm));
   if (!std::isfinite(norm)) throw SolveFailure("the force is not finite", 0, 0, norm, 0);
-  if (tangent_is_due()) linearise(unknown);
 
   // What is left is relative to the force, of which there is none before the first step.
   const double force = force_norm(unknown);
-  const double target = force > 0 ? rtol_ * force : rtol_ * norm;
-  petsc_check(
-      KSPSetTolerances(ksp_.get(), 0, std::max(target, floor_), PETSC_DEFAULT, PETSC_DEFAULT));
+  const double target = std::max(rtol_ * (force > 0 ? force : norm), floor_);
+  if (norm <= target) return;
+  if (tangent_is_due()) linearise(unknown);
+  petsc_check(KSPSetTolerances(ksp_.get(), 0, target, PETSC_DEFAULT, PETSC_DEFAULT));
   petsc_check(VecZeroEntries(correction_.get()));
   const PetscErrorCode code = KSPSolve(ksp_.get(), residual_.get(), correction_.get());
   equation().rethrow();

@@ -210,7 +210,7 @@ TEST(CommandLine, PetscOptionsAreGivenAsToPetsc) {
             expected);
   EXPECT_EQ(refused(with("membrane_ksp_type cg")),
             "--petsc \"membrane_ksp_type cg\": membrane_ksp_type is neither an option nor an "
-            "option's value: write as for PETSc, such as --petsc \"-membrane_ksp_type cg "
+            "option's value: write as for PETSc, such as --petsc \"-membrane_ksp_type bcgs "
             "-log_view\"");
 }
 

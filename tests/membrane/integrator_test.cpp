@@ -148,8 +148,8 @@ TEST_P(EachIntegrator, ConvergesAtItsOrder) {
 }
 
 TEST_P(EachIntegrator, StiffCapsuleTurnsAsARigidSphereWhereTheSchemeIsStable) {
-  // 10^5 times what an explicit scheme bears: no strain is left, and the sphere turns with half of
-  // the vorticity (markers of equal drag on a sphere).
+  // Some 10^3 times what an explicit scheme bears: no strain is left, and the sphere turns with
+  // half of the vorticity (markers of equal drag on a sphere).
   const double rate = .004;
   Sphere sphere(GetParam(), moduli_of(1e4));
   const LinearFluid fluid{.gradient = shear(rate), .centre = Sphere::centre, .drag = drag};
@@ -169,7 +169,7 @@ TEST_P(EachIntegrator, StiffCapsuleTurnsAsARigidSphereWhereTheSchemeIsStable) {
   EXPECT_LT(strained, 1e-4);
   EXPECT_NEAR(softer.capsule.shape().taylor_deformation() / strained, 10, .2);
   EXPECT_LT(std::abs(sphere.capsule.volume_error()), 1e-5);
-  EXPECT_EQ(sphere.capsule.statistics().solves, 200);
+  EXPECT_EQ(sphere.capsule.statistics().solves, 200 * 2);  // two rounds
 }
 
 class EachImplicit : public EachIntegrator {};
@@ -195,7 +195,7 @@ TEST_P(EachImplicit, MovesWithTheFluidAndItsMobilityAloneAtThetaOneHalf) {
         const Vector3d v = Vector3d::Map(&sphere.capsule.velocities()[3 * i]);
         ASSERT_LT((v - expected).norm(), 100 * eps) << "vertex " << i;
       }
-      EXPECT_EQ(sphere.capsule.statistics().solves, 6 * substeps);
+      EXPECT_EQ(sphere.capsule.statistics().solves, 2 * 6 * substeps);
     }
   }
 }

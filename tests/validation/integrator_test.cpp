@@ -49,4 +49,25 @@ TEST_P(Stiff, StaysStableAndKeepsItsVolume) {
   }
 }
 
+/// Capsules whose kernels overlap answer each other within the step.
+TEST(NearContact, StiffCapsulesStayStableWithinEachOthersKernel) {
+  for (const char* integrator : {"semi-implicit", "implicit"}) {
+    for (const double laplace : {1e4, 1e5, 1e6}) {
+      if (laplace > 1e5 && std::string(integrator) == "semi-implicit")
+        continue;  // beyond its range
+      const std::string softness = "laplace = " + std::to_string(laplace) + "\n";
+      // A gap of 1.44 spacings.
+      test::Channel channel("[channel]\nnodes = 24\nlength = 4\n[membrane]\nintegrator = \"" +
+                            std::string(integrator) + "\"\n[[body]]\nx = 0.2\nz = 0.46\n" +
+                            softness + "[[body]]\nx = 0.2\nz = -0.46\n" + softness);
+      channel.run(.5);
+      for (const std::size_t body : {0U, 1U}) {
+        const drivers::BodySample sample = channel.sample(body);
+        EXPECT_LT(std::abs(sample.volume_error), .01) << integrator << ", La = " << laplace;
+        EXPECT_LT(sample.strain_energy * laplace, .05) << integrator << ", La = " << laplace;
+      }
+    }
+  }
+}
+
 }  // namespace
