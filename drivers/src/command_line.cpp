@@ -44,7 +44,7 @@ Override parsed_set(const std::string& argument) {
   return {argument.substr(0, equals), argument.substr(equals + 1), "--set " + argument};
 }
 
-/// `-name value -flag ...` as PETSc would read them, as entries of [petsc].
+/// `-name value -flag ...` as entries of [petsc]; values without blanks.
 std::vector<Override> parsed_petsc(const std::string& argument) {
   std::istringstream words(argument);
   std::vector<Override> entries;

@@ -311,7 +311,7 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
              "Drift of the membrane through the fluid per elastic force per area: relaxes strain "
              "that the lattice cannot see; 0 is the paper's pure method"),
       choice<M, std::string>("integrator", &M::integrator, integrators(),
-                             "How the membrane advances in time; implicit at any stiffness"),
+                             "How the membrane advances in time; implicit: at any stiffness"),
       number("theta", &M::theta, between(0.5, 1), "",
              "Implicit integrators: 0.5 is the fluid's own answer, without slip; 1 damps most"),
       whole("substeps", &M::substeps, between(1, 1000), "",

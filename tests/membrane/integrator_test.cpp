@@ -289,7 +289,35 @@ TEST(Implicit, FailureNamesReasonIterationsAndResidualAndLeavesTheStateAlone) {
     }
     EXPECT_TRUE(std::equal(before.begin(), before.end(), hasty.capsule.positions().begin()));
   }
-  fluid.step(sphere.capsule);  // as it is meant to be solved
+}
+
+TEST(Implicit, GoesOnAfterAFailedStepAsIfNothingHadHappened) {
+  // A velocity that is not finite fails the solve; the step is then taken again.
+  const LinearFluid fluid{.gradient = shear(.01), .centre = Sphere::centre, .drag = drag};
+  Sphere twin("implicit", moduli_of(100)), sphere("implicit", moduli_of(100));
+  const auto equal = [](std::span<const double> a, std::span<const double> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  };
+  for (int n = 0; n < 4; ++n) {
+    fluid.step(twin.capsule);
+    fluid.step(sphere.capsule);
+  }
+  std::vector<double> force(sphere.capsule.positions().size());
+  const std::vector<double> broken(force.size(), std::nan(""));
+  std::vector<double> increment(force.size());
+  sphere.capsule.predict_force(force);
+  const Response still = [](std::span<const double>, std::span<double> u) {
+    std::fill(u.begin(), u.end(), 0.0);
+  };
+  EXPECT_THROW(sphere.capsule.correct_force(broken, still, increment), SolveFailure);
+  EXPECT_TRUE(equal(sphere.capsule.positions(), twin.capsule.positions()));
+  // The solver's tolerance: after the failure it may solve with a newer tangent.
+  for (int n = 0; n < 4; ++n) {
+    fluid.step(twin.capsule);
+    fluid.step(sphere.capsule);
+  }
+  for (std::size_t k = 0; k < force.size(); ++k)
+    EXPECT_NEAR(sphere.capsule.positions()[k], twin.capsule.positions()[k], 1e-6);
 }
 
 TEST(Implicit, StepCutsRepeatAStepWithMoreSubsteps) {
@@ -304,6 +332,17 @@ TEST(Implicit, StepCutsRepeatAStepWithMoreSubsteps) {
   fluid.step(cut.capsule);
   const SolveStatistics statistics = cut.capsule.statistics();
   EXPECT_GT(statistics.step_cuts, 0);
+  // What comes out is between what few and what very many substeps give: the solution at some h.
+  const auto position = [&](int substeps) {
+    const test::PetscOptions patient{{"-membrane_snes_max_it", "50"}};
+    Sphere sphere("implicit", moduli_of(.3), {.substeps = substeps}, 1, stretch);
+    fluid.step(sphere.capsule);
+    return std::vector<double>(sphere.capsule.positions().begin(),
+                               sphere.capsule.positions().end());
+  };
+  const std::vector<double> result(cut.capsule.positions().begin(), cut.capsule.positions().end());
+  const auto coarse = position(1), fine = position(64);
+  EXPECT_LT(distance(result, coarse) + distance(result, fine), 1.1 * distance(coarse, fine));
   EXPECT_GE(statistics.solves, 2);
 }
 

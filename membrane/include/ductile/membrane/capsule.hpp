@@ -80,10 +80,11 @@ class Capsule {
   [[nodiscard]] SolveStatistics statistics() const { return integrator_->statistics(); }
 
   [[nodiscard]] int corrections() const { return integrator_->corrections(); }
-  /// force <- what the capsule exerts on the fluid as far as it follows from x^n. Throws BlowUp.
+  /// force <- what the capsule exerts on the fluid as far as it is known from x^n and the steps
+  /// before. Throws BlowUp.
   void predict_force(std::span<double> force);
   /// increment <- what to add to it, given the fluid's velocity with the force so far in. Throws
-  /// BlowUp; std::logic_error if corrections() is 0.
+  /// BlowUp or SolveFailure; std::logic_error if corrections() is 0.
   void correct_force(std::span<const double> fluid_velocity, const Response& response,
                      std::span<double> increment);
   /// Moves the vertices by one time step, given the fluid's velocity with the whole force in.
@@ -94,7 +95,8 @@ class Capsule {
   [[nodiscard]] Energies energies() const { return shell_.energies(state_.positions.get()); }
   /// V/V0 - 1, V0 the reference volume.
   [[nodiscard]] double volume_error() const;
-  /// Largest |v - u| of the latest step, u the fluid's velocity at the vertex.
+  /// Largest |v - u| of the latest step, u the fluid's velocity at the vertex: the mobility's slip,
+  /// that of theta > 1/2, and of a scheme that extrapolates what it has added to u.
   [[nodiscard]] double slip() const { return slip_; }
 
  private:
