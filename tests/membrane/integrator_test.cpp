@@ -154,7 +154,10 @@ TEST_P(EachIntegrator, StiffCapsuleTurnsAsARigidSphereWhereTheSchemeIsStable) {
   Sphere sphere(GetParam(), moduli_of(1e4));
   const LinearFluid fluid{.gradient = shear(rate), .centre = Sphere::centre, .drag = drag};
   if (!implicit()) {
-    EXPECT_THROW(for (int n = 0; n < 200; ++n) fluid.step(sphere.capsule), BlowUp);
+    const auto run = [&] {
+      for (int n = 0; n < 200; ++n) fluid.step(sphere.capsule);
+    };
+    EXPECT_THROW(run(), BlowUp);
     return;
   }
   for (int n = 0; n < 200; ++n) fluid.step(sphere.capsule);
