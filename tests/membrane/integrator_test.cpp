@@ -148,8 +148,8 @@ TEST_P(EachIntegrator, ConvergesAtItsOrder) {
 }
 
 TEST_P(EachIntegrator, StiffCapsuleTurnsAsARigidSphereWhereTheSchemeIsStable) {
-  // Some 10^3 times what an explicit scheme bears: no strain is left, and the sphere turns with
-  // half of the vorticity (markers of equal drag on a sphere).
+  // Some 10^3 times what an explicit scheme bears: hardly any strain is left, and the sphere turns
+  // with half of the vorticity (markers of equal drag on a sphere).
   const double rate = .004;
   Sphere sphere(GetParam(), moduli_of(1e4));
   const LinearFluid fluid{.gradient = shear(rate), .centre = Sphere::centre, .drag = drag};

@@ -57,9 +57,11 @@ TEST(NearContact, StiffCapsulesStayStableWithinEachOthersKernel) {
         continue;  // beyond its range
       const std::string softness = "laplace = " + std::to_string(laplace) + "\n";
       // A gap of 1.44 spacings.
-      test::Channel channel("[channel]\nnodes = 24\nlength = 4\n[membrane]\nintegrator = \"" +
-                            std::string(integrator) + "\"\n[[body]]\nx = 0.2\nz = 0.46\n" +
-                            softness + "[[body]]\nx = 0.2\nz = -0.46\n" + softness);
+      std::string text = "[channel]\nnodes = 24\nlength = 4\n[membrane]\nintegrator = \"";
+      text.append(integrator).append("\"\n");
+      for (const char* z : {"0.46", "-0.46"})
+        text.append("[[body]]\nx = 0.2\nz = ").append(z).append("\n").append(softness);
+      test::Channel channel(text);
       channel.run(.5);
       for (const std::size_t body : {0U, 1U}) {
         const drivers::BodySample sample = channel.sample(body);
