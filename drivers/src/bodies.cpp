@@ -100,6 +100,7 @@ class RigidBody final : public ImmersedBody {
     rigid.density_ratio = options.density_ratio;
     rigid.gravity = lattice.gravity;
     rigid.corrections = options.rigid.iterations;
+    rigid.memory = options.rigid.memory;
     rigid::State state;
     state.position = setup.centre;
     state.orientation = Eigen::Quaterniond(setup.rotation);

@@ -436,8 +436,8 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
     line("", fmt::format("mesh of {} triangles, mean edge of its sphere {:.3g} dx",
                          20LL * b.frequency * b.frequency, 1.2085 * b.radius / b.frequency));
     if (!capsule) {
-      line("", fmt::format("density ratio {}, {} forcing iterations", body.density_ratio,
-                           body.rigid.iterations));
+      line("", fmt::format("density ratio {}, {} forcing iterations, memory {}", body.density_ratio,
+                           body.rigid.iterations, body.rigid.memory));
       continue;
     }
     line("", fmt::format("La = {}; in lattice units k_s = {:.4g}, k_a = {:.4g}, k_b = {:.4g}, "

@@ -331,6 +331,9 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
   static const std::vector<Key<R>> keys = {
       whole("iterations", &R::iterations, between(1, 100), "",
             "Iterations of multi-direct forcing in a step"),
+      number("memory", &R::memory, between(0, 0.95), "",
+             "Share of the last step's force with which a step's iterations begin: 2 iterations "
+             "with 0.9 leave as little slip as 5 with 0, the paper's method"),
       number("retraction", &R::retraction, between(0, 1), "dx",
              "How far inside of its surface a body's markers lie: the kernel makes a body felt "
              "about 0.5 further out than its markers are; 0 is the paper's method"),

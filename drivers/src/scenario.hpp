@@ -62,6 +62,7 @@ struct MembraneOptions {
 /// [rigid]: of every rigid body that does not say otherwise.
 struct RigidOptions {
   int iterations = 5;
+  double memory = 0;
   double retraction = 0;
   double edge = 1.2;
   int frequency = 0;

@@ -25,6 +25,8 @@ constexpr double shell_spacing = 3;
 // A step that moves a marker further is at 0.87 of the speed of sound: long past the lattice
 // Boltzmann method's range.
 constexpr double largest_displacement = 0.5;
+// A sphere at 24 nodes across migrates 0.1% less with 0.95, 1% with 0.98, and 11% with 1.
+constexpr double largest_memory = 0.95;
 
 template <class... Parts>
 [[noreturn]] void reject(const Parts&... parts) {
@@ -88,14 +90,21 @@ void check_options(const Options& options) {
   if (!(options.relaxation > 0 && options.relaxation <= bound))
     reject("relaxation = ", options.relaxation, ": choose it above 0 and up to ", bound,
            ", where two surfaces that touch still converge (default 2)");
+  if (!(options.memory >= 0 && options.memory <= largest_memory))
+    reject("memory = ", options.memory, ": choose it from 0 to ", largest_memory);
 }
 
-void check_state(const State& state) {
+void check_state(const State& state, std::size_t markers) {
   if (!state.position.allFinite() || !state.velocity.allFinite() ||
       !state.angular_velocity.allFinite())
     reject("position and velocities must be finite");
   if (!(std::abs(state.orientation.norm() - 1) < 1e-9))
     reject("orientation has norm ", state.orientation.norm(), ": normalise the quaternion");
+  if (!state.forces.empty() && state.forces.size() != markers)
+    reject(markers, " markers have ", state.forces.size(),
+           " forces of the step before: give one for each, or none");
+  for (const Vector3d& force : state.forces)
+    if (!force.allFinite()) reject("forces of the step before must be finite");
 }
 
 // sum A J^T J with J = [1, -r x], so that U + omega x r = J (U, omega).
@@ -173,7 +182,7 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
   check_surface(surface_);
   check_solid(solid_);
   check_options(options_);
-  check_state(state_);
+  check_state(state_, marker_count());
 
   const Matrix6d area = area_tensor(surface_);
   const Matrix6d displaced = displaced_tensor(solid_);
@@ -191,6 +200,8 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
              options_.relaxation, ": choose it larger, or add inner shells (rigid::lined)");
     balance_.compute(2 * options_.relaxation * area + (options_.density_ratio - 1) * displaced);
   }
+  if (options_.memory == 0) state_.forces.clear();
+  forces_.resize(marker_count());
   arms_.resize(marker_count());
   positions_.resize(3 * marker_count());
   place_markers();
@@ -222,8 +233,20 @@ Vector3d Body::angular_momentum_before() const {
 void Body::predict_force(std::span<double> force) {
   check_size(force);
   std::fill(force.begin(), force.end(), 0.0);
+  std::fill(forces_.begin(), forces_.end(), Vector3d::Zero());
   force_.setZero();
   torque_.setZero();
+  for (std::size_t m = 0; m < state_.forces.size(); ++m) {
+    const Vector3d guess = state_.orientation * (options_.memory * state_.forces[m]);
+    store(guess, force, m);
+    add_force(m, guess);
+  }
+}
+
+void Body::add_force(std::size_t marker, const Vector3d& force) {
+  forces_[marker] += force;
+  force_ += force;
+  torque_ += arms_[marker].cross(force);
 }
 
 void Body::correct_force(std::span<const double> velocity, std::span<double> increment) {
@@ -251,8 +274,7 @@ void Body::correct_force(std::span<const double> velocity, std::span<double> inc
     const Vector3d slip = velocity_ + angular_velocity_.cross(arms_[m]) - at(velocity, m);
     const Vector3d force = 2 * kappa * surface_.areas[m] * slip;
     store(force, increment, m);
-    force_ += force;
-    torque_ += arms_[m].cross(force);
+    add_force(m, force);
   }
 }
 
@@ -286,6 +308,11 @@ void Body::advance(std::span<const double> velocity) {
   hydrodynamic_force_ = solid_.volume * (velocity_ - state_.velocity) - force_;
   hydrodynamic_torque_ =
       apply_turned(solid_.inertia, angular_velocity_) - angular_momentum_before() - torque_;
+  if (options_.memory > 0) {
+    state_.forces.resize(marker_count());
+    const Quaterniond to_body = state_.orientation.conjugate();
+    for (std::size_t m = 0; m < marker_count(); ++m) state_.forces[m] = to_body * forces_[m];
+  }
   state_.position += velocity_;
   state_.velocity = velocity_;
   state_.orientation = (rotation * state_.orientation).normalized();

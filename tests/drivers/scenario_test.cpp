@@ -50,6 +50,7 @@ TEST(Scenario, EmptyFileGetsEveryDefault) {
   EXPECT_EQ(s.membrane.edge, 1.2);
   EXPECT_EQ(s.membrane.integrator, "explicit-euler");
   EXPECT_EQ(s.rigid.iterations, 5);
+  EXPECT_EQ(s.rigid.memory, 0);
   EXPECT_EQ(s.run.time_limit, 60);
   EXPECT_EQ(s.run.stop_distance, 10);
   EXPECT_TRUE(s.run.until_decided);
@@ -174,6 +175,7 @@ edge = 0.9
 frequency = 9
 [rigid]
 iterations = 7
+memory = 0.85
 edge = 1.1
 frequency = 11
 [run]

@@ -350,6 +350,87 @@ TEST_P(DensityRatio, MomentumOfBodyAndFluidGrowsByTheExcessWeightAlone) {
   }
 }
 
+struct Remembering {
+  double memory;
+  int corrections;
+};
+class Memory : public ::testing::TestWithParam<Remembering> {};
+INSTANTIATE_TEST_SUITE_P(FromNoneToMost, Memory,
+                         ::testing::Values(Remembering{0, 2}, Remembering{0.5, 1},
+                                           Remembering{0.9, 1}, Remembering{0.9, 2},
+                                           Remembering{0.95, 3}));
+
+TEST_P(Memory, SlipOfASteadyFlowFallsStepByStepToThePredictedShare) {
+  // Of a slip p without force, a step that starts at m f leaves P (p + m f), P = (1 - kappa
+  // lambda)^corrections. The flow strains the markers in the body's own frame, so that this holds
+  // while it turns only if the force turns along.
+  const auto [m, corrections] = GetParam();
+  const double P = std::pow(1 - 2 * lambda, corrections);
+  const Vector3d spin(0.02, -0.03, 0.05);
+  const Surface surface = cubic(4);
+  Options options;
+  options.motion = Motion::prescribed;
+  options.memory = m;
+  options.corrections = corrections;
+  Body body(surface, ball(4), options, {});
+  body.prescribe(Vector3d::Zero(), spin);
+  const double p = 0.04;  // at the markers on the body's x and y axes
+  double f = 0;
+  for (int n = 0; n < 60; ++n) {
+    const Quaterniond q = body.state().orientation;
+    step(body, local_fluid(surface, [&](const Vector3d& y) {
+           const Vector3d b = q.conjugate() * y;
+           return Vector3d(spin.cross(y) + q * Vector3d(0.01 * b.x(), -0.01 * b.y(), 0));
+         }));
+    const double slip = P * (p + m * f);
+    f = slip - p;
+    EXPECT_NEAR(body.slip().max, std::abs(slip), 100 * eps * p) << n;
+  }
+  // 1e-4: what is left of (m P)^60 at most.
+  EXPECT_NEAR(body.slip().max, std::abs(P * (1 - m) / (1 - m * P)) * p, 1e-4 * p);
+}
+
+TEST_P(Memory, NeutralBodyFeelsNoForceOrTorque) {
+  const Surface surface = ellipsoid_surface({6, 4, 3}, 150);
+  Options options;
+  options.memory = GetParam().memory;
+  options.corrections = GetParam().corrections;
+  State start;
+  start.orientation = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+  Body body(surface, ellipsoid({6, 4, 3}), options, start);
+  for (int n = 0; n < 20; ++n) {
+    const Impulse impulse =
+        step(body, local_fluid(surface, [](const Vector3d& y) {
+               return Vector3d(0.01 * y.z(), 0.002 * y.x() * y.y(), 0.02 + 0.005 * y.x());
+             }));
+    // Round-off as without a memory: it passes on no more than it was given.
+    const double round_off = 10 * eps * 4 * total(surface.areas) * 0.1;
+    EXPECT_LT(impulse.force.norm(), round_off);
+    EXPECT_LT(impulse.torque.norm(), 6 * round_off);
+  }
+}
+
+TEST_P(DensityRatio, MemoryKeepsTheBalanceOfMomentum) {
+  const double ratio = GetParam(), a = 6;
+  const Surface surface = spiral(a, 150);
+  Options options;
+  options.density_ratio = ratio;
+  options.gravity = {0, 3e-5, 1e-4};
+  options.corrections = 2;
+  options.memory = 0.9;
+  State start;
+  start.velocity = {0.01, 0, 0};
+  Body body(surface, ball(a), options, start);
+  const double excess = (ratio - 1) * ball(a).volume;
+  Lump lump{1.5 * ball(a).volume};
+  for (int n = 1; n <= 50; ++n) {
+    lump.momentum += step(body, lump).force;
+    const Vector3d momentum = excess * body.state().velocity + lump.momentum;
+    const Vector3d expected = excess * (start.velocity + n * options.gravity);
+    EXPECT_LT((momentum - expected).norm(), 1e-12 * ball(a).volume) << n;
+  }
+}
+
 TEST_P(DensityRatio, SpinIsSharedWithTheFluidByMomentsOfInertia) {
   // A spinning sphere in a lump of fluid that can only turn about the same axis as one.
   const double ratio = GetParam(), a = 5;
@@ -377,7 +458,10 @@ TEST_P(DensityRatio, SpinIsSharedWithTheFluidByMomentsOfInertia) {
   EXPECT_NEAR(momentum, fluid_inertia * expected, 1e-9);
 }
 
-TEST(RigidBody, LightestBodyAllowedIsStable) {
+class LightestBody : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Memories, LightestBody, ::testing::Values(0, 0.9));
+
+TEST_P(LightestBody, AllowedIsStable) {
   // On the bound, in the fluid that follows least: one lump of mass A/lambda.
   const double a = 12;
   const Surface surface = spiral(a, 300);
@@ -385,6 +469,7 @@ TEST(RigidBody, LightestBodyAllowedIsStable) {
   Options options;
   options.density_ratio = 1 - 2.5 * area / volume + 1e-6;
   options.gravity = {0, 0, 1e-6};
+  options.memory = GetParam();
   Body body(surface, ball(a), options, {});
   Lump lump{area / lambda};
   double before = 0;
@@ -538,7 +623,7 @@ TEST(RigidBody, FreeSymmetricTopPrecessesAboutItsAngularMomentum) {
   EXPECT_NEAR(energy_1 / energy_2, 2, 0.05);
 }
 
-TEST(RigidBody, StateDeterminesAllThatFollowsToTheLastBit) {
+TEST_P(Memory, StateDeterminesAllThatFollowsToTheLastBit) {
   const Vector3d axes(5, 4, 3);
   const Surface surface = ellipsoid_surface(axes, 80);
   const auto flow = local_fluid(surface, [](const Vector3d& y) {
@@ -547,6 +632,8 @@ TEST(RigidBody, StateDeterminesAllThatFollowsToTheLastBit) {
   Options options;
   options.density_ratio = 2;
   options.gravity = {0, 0, 1e-5};
+  options.memory = GetParam().memory;
+  options.corrections = GetParam().corrections;
   Body body(surface, ellipsoid(axes), options, {});
   for (int n = 0; n < 7; ++n) step(body, flow);
   Body resumed(surface, ellipsoid(axes), options, body.state());
@@ -566,7 +653,10 @@ TEST(RigidBody, RunawayStepIsRefusedAndLeavesTheStateAsItWas) {
   const auto run = [&](const Vector3d& flow, const Vector3d& spin) {
     State start;
     start.position = {1, 2, 3};
-    Body body(surface, ball(4), {}, start);
+    start.forces.assign(surface.markers.size(), {1e-9, 0, -1e-9});
+    Options options;
+    options.memory = 0.9;
+    Body body(surface, ball(4), options, start);
     const std::vector<double> x(body.positions().begin(), body.positions().end());
     std::size_t marker = surface.markers.size();
     try {
@@ -577,6 +667,7 @@ TEST(RigidBody, RunawayStepIsRefusedAndLeavesTheStateAsItWas) {
       marker = error.marker();
       EXPECT_EQ(body.state().position, start.position);
       EXPECT_EQ(body.state().velocity, start.velocity);
+      EXPECT_EQ(body.state().forces, start.forces);
       EXPECT_EQ(body.state().orientation.coeffs(), start.orientation.coeffs());
       EXPECT_TRUE(std::equal(x.begin(), x.end(), body.positions().begin()));
       EXPECT_NE(std::string(error.what()).find("marker"), std::string::npos);
@@ -623,6 +714,9 @@ TEST(RigidBody, WrongInputIsNamedWithItsBound) {
   expect(with([](Options& o) { o.corrections = 0; }), {"corrections", "0", "at least 1"});
   expect(with([](Options& o) { o.relaxation = 0; }), {"relaxation", "0", "default 2"});
   expect(with([](Options& o) { o.relaxation = 3; }), {"relaxation", "3", "2.62"});
+  expect(with([](Options& o) { o.memory = -0.1; }), {"memory", "-0.1", "0 to 0.95"});
+  expect(with([](Options& o) { o.memory = 1; }), {"memory", "1", "0 to 0.95"});
+  expect(with([](Options& o) { o.memory = std::nan(""); }), {"memory", "nan"});
   expect(with([](Options& o) { o.gravity.x() = std::nan(""); }), {"gravity", "finite"});
   Options light;
   light.density_ratio = 0.5;
@@ -659,6 +753,11 @@ TEST(RigidBody, WrongInputIsNamedWithItsBound) {
   state = {};
   state.velocity.z() = std::nan("");
   expect(refusal(good, solid, {}, state), {"finite"});
+  state = {};
+  state.forces.assign(49, Vector3d::Zero());
+  expect(refusal(good, solid, {}, state), {"50 markers", "49 forces"});
+  state.forces.assign(50, Vector3d(0, std::nan(""), 0));
+  expect(refusal(good, solid, {}, state), {"forces", "finite"});
 
   Body body(good, solid, {}, {});
   std::vector<double> right(150), wrong(149);

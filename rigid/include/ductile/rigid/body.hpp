@@ -12,6 +12,9 @@
 // iteration for no slip: a slip mode of eigenvalue lambda of S S^T A shrinks by 1 - kappa lambda
 // each time.
 //
+// The force of the step before may serve as a first guess, Options::memory: in a flow that hardly
+// changes within a step much of the slip is then gone before the first answer.
+//
 // U and omega are not known beforehand. Inside each answer (1) they are those for which
 //
 //     (M - M_f) [U - U_prev - g] = - sum_m F_m                                                 (2)
@@ -77,6 +80,14 @@ struct Options {
   /// converge, 2.6 fastest. Two surfaces that touch have twice that eigenvalue and need
   /// kappa < 2.6; 2 serves both.
   double relaxation = 2;
+  /// m: predict_force() gives m times each marker's force of the step before, turned with the body.
+  /// With P = (1 - kappa lambda)^corrections a steady slip ends at P (1 - m)/(1 - m P) of what it
+  /// is without force. Two corrections with m = 0.9 do what five do without. Much above that,
+  /// forces that the kernel filters (lambda near 0) pile up as the lattice passes by under them,
+  /// and spoil the motion: 0.95 at most. What a step does not know of, such as a second surface
+  /// within the kernel's reach, makes P negative for an odd number of corrections: take an even
+  /// one.
+  double memory = 0;
 };
 
 /// Adds as many inner shells as a free body with these options needs to be stable (see Body), none
@@ -94,6 +105,8 @@ struct State {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< that moved it here in the last step
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< body frame to space frame
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< space frame; that turned it here
+  /// Of each marker on the fluid in the last step, body frame. Kept with a memory alone; empty: 0.
+  std::vector<Eigen::Vector3d> forces;
 };
 
 /// Velocity that the surface has and the fluid does not: |U + omega x r_m - u_m|.
@@ -138,7 +151,8 @@ class Body {
   /// Options::corrections.
   [[nodiscard]] int corrections() const { return options_.corrections; }
 
-  /// force <- 0: all of it takes the fluid's velocity to know. Begins a step.
+  /// force <- what Options::memory keeps; the rest takes the fluid's velocity to know. Begins a
+  /// step.
   void predict_force(std::span<double> force);
   /// increment <- (1), given the fluid's velocity u at the markers with the force so far.
   void correct_force(std::span<const double> velocity, std::span<double> increment);
@@ -171,6 +185,8 @@ class Body {
                                              const Eigen::Vector3d& vector) const;
   // Per unit density, at t^(n-1).
   [[nodiscard]] Eigen::Vector3d angular_momentum_before() const;
+  // To the force of the step under way.
+  void add_force(std::size_t marker, const Eigen::Vector3d& force);
 
   Surface surface_;
   Solid solid_;
@@ -181,8 +197,9 @@ class Body {
   std::vector<Eigen::Vector3d> arms_;  // r_m, space frame
   std::vector<double> positions_;
 
-  // The step under way: U and omega, and the markers' total force and torque on the fluid.
+  // The step under way: U and omega, and the markers' forces on the fluid with total and torque.
   Eigen::Vector3d velocity_, angular_velocity_;
+  std::vector<Eigen::Vector3d> forces_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), torque_ = Eigen::Vector3d::Zero();
 
   Eigen::Vector3d hydrodynamic_force_ = Eigen::Vector3d::Zero();
