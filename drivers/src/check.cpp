@@ -339,7 +339,7 @@ std::vector<std::string> find_warnings(const Scenario& scenario, const LatticeSe
     if (load.total <= sound_load) continue;
     list.push_back(fmt::format("{} is at {}, {}: take membrane.integrator = \"{}\", or {}",
                                name(scenario, i), percentages(load, body.membrane.integrator),
-                               load.total > 1 ? "beyond which it blows up" : "too near to rely on",
+                               load.total > 1 ? "where it is unstable" : "too near to rely on",
                                advised_integrator(models[i]), cure(load)));
   }
   const double installed =

@@ -84,7 +84,7 @@ TEST(Check, WarnsOfWhatBringsARunDown) {
   const auto stiff = warned("[[body]]\nlaplace = 1100\n");
   EXPECT_TRUE(any_contains(stiff, "of the limit of explicit-euler (shear 11"));
   EXPECT_TRUE(any_contains(stiff,
-                           "blows up: take membrane.integrator = \"semi-implicit\", or "
+                           "where it is unstable: take membrane.integrator = \"semi-implicit\", or "
                            "lower laplace"));
   EXPECT_TRUE(any_contains(warned("[[body]]\nlaplace = 900\n"), "too near to rely on"));
   EXPECT_TRUE(warned("[[body]]\nlaplace = 700\n").empty());
