@@ -18,8 +18,8 @@
 //
 // Three kinds of body fit this one shape:
 //   - its force follows from its positions (explicit membrane): predict_force(), no corrections;
-//   - it solves for its end-of-step positions (implicit membrane): one correction, in which it
-//     asks `response` how the velocity answers to a force it has not yet given;
+//   - it solves for its end-of-step positions (implicit membrane): corrections, in which
+//     it asks `response` how the velocity answers to a force it has not yet given;
 //   - its force is whatever makes its surface move rigidly (multi-direct forcing): several
 //     corrections, each adding the force that the remaining slip calls for.
 //
@@ -73,7 +73,7 @@ class Body {
   [[nodiscard]] virtual std::span<const double> positions() const = 0;
   /// How many marker velocities the body needs before its force is final; constant.
   [[nodiscard]] virtual int corrections() const = 0;
-  /// force <- what the body exerts on the fluid as far as it follows from x^n alone.
+  /// force <- what the body exerts on the fluid as far as it knows or guesses without asking it.
   virtual void predict_force(std::span<double> force) = 0;
   /// increment <- what to add to the force, given the velocity that the force so far causes.
   /// Called corrections() times.
