@@ -137,7 +137,8 @@ class Coupler::Impl {
   std::vector<Guest> guests_;
   int rounds_ = 0;
   bool moved_out_ = true;
-  int failed_ = INT_MAX;  // lowest id of a body that failed in this step
+  std::int64_t time_ = 0;  // at the start of the step
+  int failed_ = INT_MAX;   // lowest id of a body that failed in this step
   int failed_marker_ = no_marker;
   std::string reason_;
 };
@@ -181,22 +182,25 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
 // The time step. Bodies and fluid exchange marker velocities and forces; eq. numbers as the paper.
 void Coupler::Impl::step() {
   watch_.start();
+  time_ = fluid_.time();
   if (moved_out_) lay_out();
-  fluid_.read_velocity();  // u0: eqs. (5) and (6) with the uniform force
-  watch_.lap(Part::boxes);
   locate();
   predict_forces();
-  spread(-1);  // eq. (16)
+  spread(-1);                               // eq. (16)
+  if (rounds_ > 0) fluid_.read_velocity();  // u0: eqs. (5) and (6) with the uniform force
+  watch_.lap(Part::boxes);
   for (int round = 0; round < rounds_; ++round) {
+    fluid_.update_velocity();
+    watch_.lap(Part::boxes);
     interpolate(round);
     correct_forces(round);
     spread(round);
   }
-  interpolate(-1);  // eq. (15), half of the force in
+  fluid_.step();  // eqs. (2)-(4); the velocity at the step's start, half of the force in, is left
+  watch_.lap(Part::fluid);
+  interpolate(-1);  // eq. (15)
   advance();
   agree();
-  fluid_.step();  // eqs. (2)-(4)
-  watch_.lap(Part::fluid);
   ++watch_.profile.steps;
 }
 
@@ -482,8 +486,6 @@ void Coupler::Impl::spread(int round) {
     }
   }
   watch_.lap(Part::spreading);
-  fluid_.update_velocity();
-  watch_.lap(Part::boxes);
 }
 
 void Coupler::Impl::interpolate(int round) {
@@ -590,7 +592,7 @@ void Coupler::Impl::agree() {
   const std::optional<std::size_t> at_fault =
       marker == no_marker ? std::nullopt
                           : std::optional<std::size_t>(static_cast<std::size_t>(marker));
-  throw BodyFailure(body, at_fault, fluid_.time(), reason_);
+  throw BodyFailure(body, at_fault, time_, reason_);
 }
 
 Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)

@@ -1,9 +1,8 @@
 // The collision of one row of nodes along z: all of the fluid's arithmetic.
 #pragma once
 
-#include <array>
-
 #include "ductile/fluid/d3q19.hpp"
+#include "ductile/fluid/instruction_set.hpp"
 
 namespace ductile::fluid {
 
@@ -14,8 +13,8 @@ namespace ductile::fluid {
 template <class Real>
 struct Row {
   Real* rest;
-  std::array<Real*, d3q19::pairs> plus;
-  std::array<Real*, d3q19::pairs> minus;
+  Real* plus[d3q19::pairs];
+  Real* minus[d3q19::pairs];
 };
 
 struct Relaxation {
@@ -23,34 +22,56 @@ struct Relaxation {
   double omega_minus;  // of the odd ones
 };
 
-/// Force density: uniform, plus arrays over the row where they are not null.
+/// Force density: uniform, plus arrays over the row where they are not null. Where there are such,
+/// the velocity goes to other arrays over the row.
 struct RowForce {
-  std::array<double, 3> uniform;
-  std::array<const double*, 3> local;
+  double uniform[3];
+  const double* local[3];
+  double* velocity[3];
 };
 
 /// A regularized wall on the row: which way its normal points into the fluid, in x and y (-1, 0, 1;
 /// both at the duct's edges), and its velocity.
 struct RowWall {
-  std::array<int, 2> normal;
-  std::array<double, 3> velocity;
+  int normal[2];
+  double velocity[3];
 };
 
-/// Collides nodes [begin, end) of a row, eqs. (2)-(6).
+/// The operations on nodes [begin, end) of a row, for one instruction set. A node's result is the
+/// same to the last bit with any of them, and wherever the node stands in the row.
 template <class Real>
-void collide(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
-             const RowForce& force);
+struct Kernel {
+  /// Collision, eqs. (2)-(6).
+  void (*collide)(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
+                  const RowForce& force);
+  /// The same on a regularized wall: the populations are first replaced by those of Latt et al.
+  /// 2008. Local forces are not read.
+  void (*collide_wall)(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
+                       const RowForce& force, const RowWall& wall);
+  /// Density less one and momentum, without any force; on a wall row those of the populations as
+  /// they are.
+  void (*moments)(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
+                  double* z);
+  /// The loads and stores of a collision without the collision: populations change places.
+  void (*stream)(const Row<Real>& row, int begin, int end);
+};
 
-/// The same for a row on a regularized wall: the populations are first replaced by those of Latt et
-/// al. 2008. Local forces are not read.
+/// kernel.cpp, compiled once for each of them.
+namespace baseline {
 template <class Real>
-void collide_wall(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
-                  const RowForce& force, const RowWall& wall);
+const Kernel<Real>& kernel();
+}
+namespace avx2 {
+template <class Real>
+const Kernel<Real>& kernel();
+}
+namespace avx512 {
+template <class Real>
+const Kernel<Real>& kernel();
+}
 
-/// Density less one and momentum, without any force, of nodes [begin, end); on a wall row those of
-/// the populations as they are.
+/// `set` must be available.
 template <class Real>
-void moments(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
-             double* z);
+const Kernel<Real>& kernel(InstructionSet set);
 
 }  // namespace ductile::fluid

@@ -118,7 +118,7 @@ TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
   } catch (const BodyFailure& failure) {
     EXPECT_EQ(failure.body(), 1);
     EXPECT_EQ(failure.reason(), "enough");
-    EXPECT_EQ(fluid.time(), 2);
+    EXPECT_EQ(failure.step(), 2);
   }
 }
 

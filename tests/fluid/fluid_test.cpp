@@ -216,6 +216,98 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
   EXPECT_EQ(nodes, 64U);
 }
 
+// What a step leaves in the patches is what a body that asks beforehand is told, and no force.
+TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
+  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+    Options o;
+    o.nodes = {9, 8, 21};
+    o.boundary = {halfway, regularized, periodic};
+    o.force = {1e-4, -2e-4, 2e-3};
+    o.storage = storage;
+    Fluid fluid(MPI_COMM_WORLD, o);
+    fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
+    const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {12, 30}}}};  // across the periodic end
+    fluid.place_boxes(boxes);
+    for (int step = 0; step < 4; ++step) {
+      fluid.read_velocity();
+      for (Patch& patch : fluid.patches()) {
+        for (auto& f : patch.force) {
+          for (std::size_t n = 0; n < f.size(); ++n) {
+            f[n] = 1e-3 * std::sin(static_cast<double>(n) + step);
+          }
+        }
+      }
+      fluid.update_velocity();
+      std::vector<std::array<std::vector<double>, 3>> told;
+      for (const Patch& patch : fluid.patches()) told.push_back(patch.velocity);
+      fluid.step();
+      for (std::size_t p = 0; p < told.size(); ++p) {
+        const Patch& patch = fluid.patches()[p];
+        for (std::size_t a = 0; a < 3; ++a) {
+          for (std::size_t n = 0; n < told[p][a].size(); ++n) {
+            ASSERT_NEAR(patch.velocity[a][n], told[p][a][n], 1e-16);
+            ASSERT_EQ(patch.force[a][n], 0);
+          }
+        }
+      }
+    }
+  }
+}
+
+// The kernel that a lesser machine would run gives the same bits.
+TEST(InstructionSets, GiveTheSameBits) {
+  for (const Boundary walls : {halfway, regularized}) {
+    for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+      Options o;
+      o.nodes = {6, 5, 67};  // vectors of eight, four and two, and one more
+      o.boundary = {walls, walls, periodic};
+      o.collision = walls == halfway ? Collision::trt : Collision::bgk;
+      o.tau = 0.8;
+      o.force = {1e-4, -2e-4, 3e-4};
+      o.storage = storage;
+      std::vector<Field> results;
+      for (const InstructionSet set :
+           {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+        if (!available(set)) continue;
+        o.instruction_set = set;
+        Fluid fluid(MPI_COMM_WORLD, o);
+        fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
+        const std::array<Box, 1> boxes = {Box{{{1, 4}, {1, 4}, {3, 40}}}};
+        fluid.place_boxes(boxes);
+        for (int step = 0; step < 5; ++step) {
+          for (Patch& patch : fluid.patches()) {
+            for (std::size_t n = 0; n < patch.force[0].size(); ++n) {
+              patch.force[1][n] = 1e-3 * std::sin(static_cast<double>(n) + step);
+            }
+          }
+          fluid.step();
+        }
+        results.push_back(fields(fluid));
+      }
+      for (const Field& result : results) {
+        EXPECT_EQ(result.density, results.front().density);
+        EXPECT_EQ(result.velocity, results.front().velocity);
+      }
+    }
+  }
+}
+
+TEST(InstructionSets, TheWidestOneIsChosenAndAForeignOneRefused) {
+  Options o;
+  o.nodes = {4, 4, 4};
+  const Fluid fluid(MPI_COMM_WORLD, o);
+  EXPECT_EQ(fluid.options().instruction_set, best_instruction_set());
+  for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512}) {
+    o.instruction_set = set;
+    if (available(set)) {
+      EXPECT_NO_THROW(Fluid(MPI_COMM_WORLD, o));
+      EXPECT_GE(best_instruction_set(), set);
+    } else {
+      EXPECT_THROW(Fluid(MPI_COMM_WORLD, o), std::invalid_argument);
+    }
+  }
+}
+
 TEST(Fluid, SaysWhatIsWrongWithItsOptions) {
   const auto message = [](auto&& change) -> std::string {
     Options o;

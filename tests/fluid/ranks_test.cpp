@@ -95,4 +95,32 @@ TEST(Slabs, ShareThePlanesEvenly) {
   EXPECT_EQ(next, 13);
 }
 
+// What a rank sends in a step are the five populations a column that cross each end of its slab,
+// whatever the number of ranks.
+TEST(Ranks, SendOnlyThePopulationsThatCross) {
+  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+    Options o;
+    o.nodes = {9, 8, 16};
+    o.storage = storage;
+    Fluid fluid(MPI_COMM_WORLD, o);
+    int ranks = 1;
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    constexpr int steps = 3;
+    for (int n = 0; n < steps; ++n) fluid.step();
+    const std::int64_t size = storage == Storage::double_precision ? 8 : 4;
+    EXPECT_EQ(fluid.bytes_sent(), ranks == 1 ? 0 : steps * 2 * 5 * 9 * 8 * size);
+  }
+}
+
+// Populations, what surrounds them in memory, and messages.
+TEST(Ranks, MemoryIsLittleMoreThanThePopulations) {
+  Options o;
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  o.nodes = {36, 36, 108 * ranks};
+  const Fluid fluid(MPI_COMM_WORLD, o);
+  const double populations = 19.0 * 8 * 36 * 36 * fluid.slab().size();
+  EXPECT_LE(static_cast<double>(fluid.memory()), 1.15 * populations);
+}
+
 }  // namespace

@@ -7,9 +7,9 @@
 //   2.  as often as body.corrections() says:
 //           u  = S u0 + S S^T F/(2 rho)              the fluid's velocity with all force so far
 //           F += body.correct_force(u, response)
-//   3.  u  = S u0 + S S^T F/(2 rho)
+//   3.  the fluid collides and streams with the force density S^T F
+//   4.  u  = S u0 + S S^T F/(2 rho)                  of the step's start, which the fluid has left
 //       body.advance(u)                              markers move to x^(n+1)
-//   4.  the fluid collides and streams with the force density S^T F
 //
 // S interpolates at the markers' positions x^n with Peskin's 4-point kernel, S^T spreads; u0 is the
 // fluid's velocity with the uniform driving force, rho its density. The factor 1/2 is that of Guo's

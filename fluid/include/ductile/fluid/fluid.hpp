@@ -9,8 +9,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "ductile/fluid/instruction_set.hpp"
 
 namespace ductile::fluid {
 
@@ -43,6 +46,9 @@ struct Options {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
   /// Storage of the populations; arithmetic is always in double precision.
   Storage storage = Storage::double_precision;
+  /// What the kernel runs on: the widest that this machine has, unless given. Results do not depend
+  /// on it.
+  std::optional<InstructionSet> instruction_set;
 };
 
 /// Density, velocity and velocity gradient at a node; gradient(a, b) = du_b/dx_a.
@@ -80,10 +86,10 @@ struct Patch {
   std::array<int, 3> size{};   ///< own nodes along each axis
   std::ptrdiff_t pitch = 0;
 
-  std::vector<double> density;
-  std::array<std::vector<double>, 3> momentum;  ///< rho u0
-  std::array<std::vector<double>, 3> force;     ///< beyond the uniform one
+  std::array<std::vector<double>, 3> force;     ///< beyond the uniform one, for the next step
   std::array<std::vector<double>, 3> velocity;  ///< (rho u0 + force/2)/rho
+  std::vector<double> density;                  ///< as of read_velocity()
+  std::array<std::vector<double>, 3> momentum;  ///< rho u0, likewise
 
   /// Index of node (i, j, k), counted from `begin`; k may lie in the padding.
   [[nodiscard]] std::ptrdiff_t at(int i, int j, int k) const {
@@ -99,8 +105,8 @@ class Fluid {
  public:
   /// Collective. Each rank holds an even share of the planes. The fluid is at rest.
   /// Throws std::invalid_argument, on every rank, if tau <= 1/2, magic <= 0, an axis has fewer than
-  /// 2 nodes (4 with walls on nodes), z is regularized, a wall velocity has a normal component, or
-  /// there are more ranks than planes.
+  /// 2 nodes (4 with walls on nodes), z is regularized, a wall velocity has a normal component,
+  /// there are more ranks than planes, or a given instruction set is not available.
   Fluid(MPI_Comm comm, const Options& options);
   ~Fluid();
   Fluid(Fluid&&) noexcept;
@@ -108,6 +114,7 @@ class Fluid {
   Fluid(const Fluid&) = delete;
   Fluid& operator=(const Fluid&) = delete;
 
+  /// As given, with the instruction set that was chosen.
   [[nodiscard]] const Options& options() const;
   [[nodiscard]] MPI_Comm comm() const;
   /// nu = c_s^2 (tau - 1/2).
@@ -119,8 +126,10 @@ class Fluid {
   [[nodiscard]] Box domain() const;
   /// Time steps done.
   [[nodiscard]] std::int64_t time() const;
-  /// Bytes held by this rank: populations and patches.
+  /// Bytes held by this rank: populations, messages and patches.
   [[nodiscard]] std::size_t memory() const;
+  /// Bytes of populations that this rank has sent to other ranks.
+  [[nodiscard]] std::int64_t bytes_sent() const;
 
   /// Sets the populations of every own node to equilibrium plus the first-order non-equilibrium
   /// part of the state's gradient, w_i rho (-tau/c_s^2)(c c - c_s^2 1):grad u, less half of Guo's
@@ -135,13 +144,15 @@ class Fluid {
   [[nodiscard]] std::span<Patch> patches();
 
   /// Reads density and momentum (half of the uniform force in, eq. (6)) in all patches from the
-  /// populations, and clears the patches' force. Collective.
+  /// populations: for bodies that must know the velocity before they choose their force.
+  /// Collective.
   void read_velocity();
   /// In all patches, velocity <- (momentum + force/2)/density.
   void update_velocity();
 
-  /// One time step, eqs. (2)-(6): collides with the uniform force plus that of the patches, and
-  /// streams. Collective.
+  /// One time step, eqs. (2)-(6), from t to t + 1: collides with the uniform force plus that of the
+  /// patches, and streams. Leaves in the patches the velocity at t, half of the whole force in, and
+  /// no force. Collective.
   void step();
 
   /// Density and velocity (half of the uniform force in) of the own slab: nx ny nz_own numbers,
@@ -153,6 +164,7 @@ class Fluid {
   Totals totals();
 
  private:
+  friend void stream_only(Fluid& fluid);
   std::unique_ptr<FluidImpl> impl_;
 };
 

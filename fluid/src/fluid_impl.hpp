@@ -1,0 +1,73 @@
+// The fluid behind its interface.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ductile/fluid/fluid.hpp"
+#include "kernel.hpp"
+
+namespace ductile::fluid {
+
+/// Throws std::invalid_argument.
+[[noreturn]] void reject(const std::string& what);
+/// The planes of a rank.
+Range share(int planes, int ranks, int rank);
+
+/// What does not depend on how populations are stored.
+class FluidImpl {
+ public:
+  /// `options` are valid.
+  FluidImpl(MPI_Comm comm, const Options& options);
+  virtual ~FluidImpl();
+  FluidImpl(const FluidImpl&) = delete;
+  FluidImpl& operator=(const FluidImpl&) = delete;
+
+  virtual void initialise(const std::function<NodeState(int, int, int)>& state) = 0;
+  virtual void read_velocity() = 0;
+  virtual void step() = 0;
+  /// The loads and stores of a step, and nothing else.
+  virtual void stream() = 0;
+  virtual void fields(std::span<double> density, std::span<double> velocity) = 0;
+  /// Of each own plane: the sums of rho - 1 and of rho u.
+  virtual std::vector<double> plane_sums() = 0;
+  [[nodiscard]] virtual std::size_t memory() const = 0;
+  [[nodiscard]] virtual std::int64_t bytes_sent() const = 0;
+
+  void place_boxes(std::span<const Box> boxes);
+  void update_velocity();
+  Totals totals();
+  [[nodiscard]] Box domain() const;
+  [[nodiscard]] bool odd() const { return time_ % 2 != 0; }
+  [[nodiscard]] std::size_t column(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(options_.nodes[1]) +
+           static_cast<std::size_t>(y);
+  }
+
+  Options options_;
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  int rank_ = 0;
+  int ranks_ = 1;
+  Range slab_;
+  Relaxation relaxation_{};
+  std::int64_t time_ = 0;
+  std::vector<Patch> patches_;
+  /// Of each column the patches that meet it, from low to high z: those of column c are
+  /// met_[first_met_[c]] to met_[first_met_[c + 1]].
+  std::vector<std::size_t> first_met_;
+  std::vector<std::size_t> met_;
+
+ private:
+  void list_met();
+};
+
+std::unique_ptr<FluidImpl> make_populations(MPI_Comm comm, const Options& options);
+
+}  // namespace ductile::fluid

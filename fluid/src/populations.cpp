@@ -1,0 +1,432 @@
+// The populations and their evolution.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "ductile/fluid/d3q19.hpp"
+#include "fluid_impl.hpp"
+#include "halo.hpp"
+#include "kernel.hpp"
+#include "slab.hpp"
+
+namespace ductile::fluid {
+namespace {
+
+using d3q19::opposite;
+using d3q19::Q;
+
+// What an odd step fetches across the end of a slab are five populations a row: from the column at
+// -shift, the one along (shift, +1) from below or (shift, -1) from above. The f* that the odd step
+// writes in their places go back the same way.
+constexpr std::array<std::array<int, 2>, 5> shifts = {{{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+constexpr int index_of(const std::array<int, 3>& velocity) {
+  int i = 0;
+  while (d3q19::c(i) != velocity) ++i;
+  return i;
+}
+// Index of the velocity (shift, +1) for side 0, (shift, -1) for side 1.
+constexpr std::array<std::array<int, 5>, 2> entering = [] {
+  std::array<std::array<int, 5>, 2> index{};
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (std::size_t s = 0; s < 5; ++s) {
+      index[side][s] = index_of({shifts[s][0], shifts[s][1], side == 0 ? 1 : -1});
+    }
+  }
+  return index;
+}();
+
+template <class Real>
+Real* place_of(const Row<Real>& row, int i) {
+  return i % 2 == 1 ? row.plus[(i - 1) / 2] : row.minus[(i - 1) / 2];
+}
+
+template <class Real>
+class Populations final : public FluidImpl {
+ public:
+  Populations(MPI_Comm comm, const Options& options)
+      : FluidImpl(comm, options),
+        nx_(options.nodes[0]),
+        ny_(options.nodes[1]),
+        slab_of_(options, slab_.size()),
+        kernel_(kernel<Real>(*options.instruction_set)),
+        halo_(comm_, peers(), number_slots()) {}
+
+  void initialise(const std::function<NodeState(int, int, int)>& state) override;
+  void read_velocity() override;
+  void step() override;
+  void stream() override;
+  void fields(std::span<double> density, std::span<double> velocity) override;
+  std::vector<double> plane_sums() override;
+  [[nodiscard]] std::size_t memory() const override;
+  [[nodiscard]] std::int64_t bytes_sent() const override { return halo_.bytes_sent(); }
+
+ private:
+  [[nodiscard]] std::array<int, 2> peers() const;
+  std::vector<std::size_t> number_slots();
+  // The end of the slab on that side.
+  [[nodiscard]] int end_plane(int side) const { return side == 0 ? 0 : slab_of_.planes() - 1; }
+  // Calls visit(place, slot) for each population that the row exchanges with that side.
+  template <class Visit>
+  void for_crossing(const Row<Real>& row, int x, int y, int side, Visit&& visit);
+  void arrive(const Row<Real>& row, int x, int y);
+  void depart(const Row<Real>& row, int x, int y);
+  void collide_row(const Row<Real>& row, int x, int y);
+  // The row's populations complete, as of now.
+  Row<Real> complete_row(int x, int y);
+  void read_row(int x, int y, double* density, const std::array<double*, 3>& velocity);
+  void drive_moving_walls();
+  void drive_wall(int x, int y, int begin, int end, std::size_t axis, int side);
+
+  int nx_;
+  int ny_;
+  Slab<Real> slab_of_;
+  const Kernel<Real>& kernel_;
+  // Of a column in an even and in an odd step the slots of the five shifts, -1 for none. In an odd
+  // step they are its own; what the even step leaves is fetched by the row at +shift.
+  std::array<std::vector<std::array<int, 5>>, 2> slots_;
+  std::vector<int> part_ends_;  // in x, of the parts that the halo is cut into
+  Halo<Real> halo_;
+};
+
+template <class Real>
+std::array<int, 2> Populations<Real>::peers() const {
+  std::array<int, 2> peers = {rank_ - 1, rank_ + 1};
+  for (int& peer : peers) {
+    if (options_.boundary[2] == Boundary::periodic) peer = (peer + ranks_) % ranks_;
+    if (peer < 0 || peer >= ranks_) peer = MPI_PROC_NULL;
+  }
+  return peers;
+}
+
+template <class Real>
+std::vector<std::size_t> Populations<Real>::number_slots() {
+  constexpr int most_parts = 8;
+  const int parts = std::min(most_parts, nx_);
+  for (auto& slots : slots_) {
+    slots.assign(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_),
+                 {-1, -1, -1, -1, -1});
+  }
+  std::vector<std::size_t> ends;
+  int count = 0;
+  for (int part = 0, x = 0; part < parts; ++part) {
+    part_ends_.push_back(nx_ * (part + 1) / parts);
+    for (; x < part_ends_.back(); ++x) {
+      for (int y = 0; y < ny_; ++y) {
+        for (std::size_t s = 0; s < shifts.size(); ++s) {
+          int from_x = x;
+          int from_y = y;
+          if (!slab_of_.move(from_x, from_y, -shifts[s][0], -shifts[s][1])) continue;
+          slots_[1][column(x, y)][s] = count;
+          slots_[0][column(from_x, from_y)][s] = count;
+          ++count;
+        }
+      }
+    }
+    ends.push_back(static_cast<std::size_t>(count));
+  }
+  return ends;
+}
+
+template <class Real>
+template <class Visit>
+void Populations<Real>::for_crossing(const Row<Real>& row, int x, int y, int side, Visit&& visit) {
+  const auto& slots = slots_[odd() ? 1 : 0][column(x, y)];
+  const int end = end_plane(side);
+  for (std::size_t s = 0; s < shifts.size(); ++s) {
+    if (slots[s] < 0) continue;
+    // An odd step reads the entering population here. In an even step the place is that which the
+    // neighbour's odd step reads, array opposite(i) for its entering population i.
+    const int i = odd() ? entering[static_cast<std::size_t>(side)][s]
+                        : opposite(entering[static_cast<std::size_t>(1 - side)][s]);
+    visit(place_of(row, i) + end, slots[s], i);
+  }
+}
+
+// What came from the slabs below and above is put in its place. A half-way wall across z reflects
+// the node's own populations instead.
+template <class Real>
+void Populations<Real>::arrive(const Row<Real>& row, int x, int y) {
+  for (int side = 0; side < 2; ++side) {
+    if (const Real* arrivals = halo_.arrivals(side)) {
+      for_crossing(row, x, y, side, [&](Real* place, int slot, int) { *place = arrivals[slot]; });
+    } else if (!halo_.exists(side) && odd()) {
+      for_crossing(row, x, y, side, [&](Real* place, int, int i) {
+        *place = slab_of_.at(i, x, y)[end_plane(side)];
+      });
+    }
+  }
+}
+
+template <class Real>
+void Populations<Real>::depart(const Row<Real>& row, int x, int y) {
+  for (int side = 0; side < 2; ++side) {
+    if (halo_.exists(side)) {
+      Real* departures = halo_.departures(side);
+      for_crossing(row, x, y, side, [&](Real* place, int slot, int) { departures[slot] = *place; });
+    } else if (odd()) {
+      for_crossing(row, x, y, side, [&](Real* place, int, int i) {
+        slab_of_.at(i, x, y)[end_plane(side)] = *place;
+      });
+    }
+  }
+}
+
+// Where patches meet the row, their forces act and are used up, and the velocity is left there.
+template <class Real>
+void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
+  const RowForce uniform{{options_.force[0], options_.force[1], options_.force[2]},
+                         {nullptr, nullptr, nullptr},
+                         {nullptr, nullptr, nullptr}};
+  if (const RowWall* wall = slab_of_.wall(x, y)) {
+    kernel_.collide_wall(row, 0, slab_of_.planes(), relaxation_, uniform, *wall);
+    return;
+  }
+  int done = 0;
+  if (!first_met_.empty()) {
+    for (std::size_t m = first_met_[column(x, y)]; m < first_met_[column(x, y) + 1]; ++m) {
+      Patch& patch = patches_[met_[m]];
+      const int begin = patch.begin[2] - slab_.begin;
+      const std::ptrdiff_t first = patch.at(x - patch.begin[0], y - patch.begin[1], 0);
+      kernel_.collide(row, done, begin, relaxation_, uniform);
+      done = begin + patch.size[2];
+      RowForce force = uniform;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        force.local[axis] = patch.force[axis].data() + first - begin;
+        force.velocity[axis] = patch.velocity[axis].data() + first - begin;
+      }
+      kernel_.collide(row, begin, done, relaxation_, force);
+      for (auto& of_axis : patch.force) {
+        std::fill_n(of_axis.data() + first - Patch::pad, patch.pitch, 0.0);
+      }
+    }
+  }
+  kernel_.collide(row, done, slab_of_.planes(), relaxation_, uniform);
+}
+
+// What arrives for a row is needed from the rows next to it in x, and what departs is complete with
+// them. The row's own ends are laid one row ahead.
+template <class Real>
+void Populations<Real>::step() {
+  halo_.begin_step();
+  const bool around = options_.boundary[0] == Boundary::periodic;
+  const int parts = halo_.parts();
+  if (around) halo_.await_all();
+  int awaited = 0;
+  int sent = around ? 1 : 0;
+  for (int x = 0; x < nx_; ++x) {
+    for (; awaited < parts &&
+           (awaited == 0 || part_ends_[static_cast<std::size_t>(awaited - 1)] <= x + 2);
+         ++awaited) {
+      halo_.await(awaited);
+    }
+    if (x == 0) arrive(slab_of_.row(0, 0, odd()), 0, 0);
+    for (int y = 0; y < ny_; ++y) {
+      const int next_x = y + 1 < ny_ ? x : x + 1;
+      const int next_y = y + 1 < ny_ ? y + 1 : 0;
+      if (next_x < nx_) arrive(slab_of_.row(next_x, next_y, odd()), next_x, next_y);
+      const Row<Real> row = slab_of_.row(x, y, odd());
+      collide_row(row, x, y);
+      depart(row, x, y);
+    }
+    for (; sent < parts && part_ends_[static_cast<std::size_t>(sent)] < x; ++sent) halo_.send(sent);
+    halo_.progress();
+  }
+  for (; sent < parts; ++sent) halo_.send(sent);
+  if (around) halo_.send(0);
+  drive_moving_walls();
+  halo_.end_step();
+  ++time_;
+}
+
+template <class Real>
+void Populations<Real>::stream() {
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y) {
+      kernel_.stream(slab_of_.row(x, y, odd()), 0, slab_of_.planes());
+    }
+  }
+  ++time_;
+}
+
+// Half-way bounce-back off a wall that moves with u_w: f_(-i) = f_i* - 6 w_i rho0 c_i.u_w, added
+// where the reflected population waits, which is its own array in both states. None of these
+// crosses the ends of the slab.
+template <class Real>
+void Populations<Real>::drive_wall(int x, int y, int begin, int end, std::size_t axis, int side) {
+  const Eigen::Vector3d& u = options_.wall_velocity[axis][static_cast<std::size_t>(side)];
+  const int inward = side == 0 ? 1 : -1;
+  for (int i = 1; i < Q; ++i) {
+    const auto v = d3q19::c(i);
+    if (v[axis] != inward) continue;
+    // A link that crosses walls of two axes belongs to the first axis.
+    const std::array<int, 3> origin = {x - v[0], y - v[1], 0};
+    bool mine = true;
+    for (std::size_t first = 0; first < std::min<std::size_t>(axis, 2); ++first) {
+      const bool outside = origin[first] < 0 || origin[first] >= options_.nodes[first];
+      if (outside && options_.boundary[first] == Boundary::halfway) mine = false;
+    }
+    if (!mine) continue;
+    const double add = 6 * d3q19::w(i) * (v[0] * u[0] + v[1] * u[1] + v[2] * u[2]);
+    Real* f = slab_of_.at(i, x, y);
+    for (int k = begin; k < end; ++k) f[k] = static_cast<Real>(static_cast<double>(f[k]) + add);
+  }
+}
+
+template <class Real>
+void Populations<Real>::drive_moving_walls() {
+  const int planes = slab_of_.planes();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (options_.boundary[axis] != Boundary::halfway) continue;
+    for (int side = 0; side < 2; ++side) {
+      if (options_.wall_velocity[axis][static_cast<std::size_t>(side)].isZero(0)) continue;
+      const int at_wall = side == 0 ? 0 : options_.nodes[axis] - 1;
+      if (axis == 0) {
+        for (int y = 0; y < ny_; ++y) drive_wall(at_wall, y, 0, planes, axis, side);
+      } else if (axis == 1) {
+        for (int x = 0; x < nx_; ++x) drive_wall(x, at_wall, 0, planes, axis, side);
+      } else if (at_wall >= slab_.begin && at_wall < slab_.end) {
+        const int k = at_wall - slab_.begin;
+        for (int x = 0; x < nx_; ++x) {
+          for (int y = 0; y < ny_; ++y) drive_wall(x, y, k, k + 1, axis, side);
+        }
+      }
+    }
+  }
+}
+
+template <class Real>
+void Populations<Real>::initialise(const std::function<NodeState(int, int, int)>& state) {
+  halo_.reset();
+  time_ = 0;
+  const Eigen::Vector3d& force = options_.force;
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y) {
+      for (int k = 0; k < slab_of_.planes(); ++k) {
+        const NodeState s = state(x, y, slab_.begin + k);
+        const Eigen::Vector3d& u = s.velocity;
+        const double uu = u.squaredNorm();
+        for (int i = 0; i < Q; ++i) {
+          const auto v = d3q19::c(i);
+          const Eigen::Vector3d e(v[0], v[1], v[2]);
+          const double cu = e.dot(u);
+          const double equilibrium =
+              (s.density - 1) + s.density * (3 * cu + 4.5 * cu * cu - 1.5 * uu);
+          const double stress = -3 * s.density / relaxation_.omega_plus *
+                                (e.dot(s.gradient * e) - s.gradient.trace() / 3);
+          const double forcing = -0.5 * (3 * (e - u).dot(force) + 9 * cu * e.dot(force));
+          slab_of_.at(i, x, y)[k] =
+              static_cast<Real>(d3q19::w(i) * (equilibrium + stress + forcing));
+        }
+      }
+    }
+  }
+}
+
+template <class Real>
+Row<Real> Populations<Real>::complete_row(int x, int y) {
+  const Row<Real> row = slab_of_.row(x, y, odd());
+  arrive(row, x, y);
+  return row;
+}
+
+template <class Real>
+void Populations<Real>::read_velocity() {
+  halo_.await_all();
+  const Eigen::Vector3d half = 0.5 * options_.force;
+  for (Patch& patch : patches_) {
+    const int begin = patch.begin[2] - slab_.begin;
+    for (int i = 0; i < patch.size[0]; ++i) {
+      for (int j = 0; j < patch.size[1]; ++j) {
+        const auto first = static_cast<std::size_t>(patch.at(i, j, 0));
+        const auto count = static_cast<std::size_t>(patch.size[2]);
+        kernel_.moments(complete_row(patch.begin[0] + i, patch.begin[1] + j), begin,
+                        begin + patch.size[2], &patch.density[first] - begin,
+                        &patch.momentum[0][first] - begin, &patch.momentum[1][first] - begin,
+                        &patch.momentum[2][first] - begin);
+        for (std::size_t n = first; n < first + count; ++n) {
+          patch.density[n] += 1;
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            patch.momentum[axis][n] += half[static_cast<Eigen::Index>(axis)];
+          }
+        }
+      }
+    }
+  }
+}
+
+// Density and velocity of one row, to four arrays over its planes.
+template <class Real>
+void Populations<Real>::read_row(int x, int y, double* density,
+                                 const std::array<double*, 3>& velocity) {
+  const int planes = slab_of_.planes();
+  kernel_.moments(complete_row(x, y), 0, planes, density, velocity[0], velocity[1], velocity[2]);
+  const RowWall* wall = slab_of_.wall(x, y);
+  for (int k = 0; k < planes; ++k) {
+    density[k] += 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double half_force = 0.5 * options_.force[static_cast<Eigen::Index>(axis)];
+      velocity[axis][k] =
+          wall != nullptr ? wall->velocity[axis] : (velocity[axis][k] + half_force) / density[k];
+    }
+  }
+}
+
+template <class Real>
+void Populations<Real>::fields(std::span<double> density, std::span<double> velocity) {
+  halo_.await_all();
+  const auto planes = static_cast<std::size_t>(slab_of_.planes());
+  const std::size_t count = static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * planes;
+  if (density.size() != count || velocity.size() != 3 * count) {
+    reject("fields need " + std::to_string(count) +
+           " densities and three times as many velocities");
+  }
+  std::size_t first = 0;
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y, first += planes) {
+      read_row(x, y, &density[first],
+               {&velocity[first], &velocity[count + first], &velocity[2 * count + first]});
+    }
+  }
+}
+
+template <class Real>
+std::vector<double> Populations<Real>::plane_sums() {
+  halo_.await_all();
+  const auto planes = static_cast<std::size_t>(slab_of_.planes());
+  std::vector<double> row(4 * planes);
+  std::vector<double> sums(4 * planes, 0.0);
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y) {
+      read_row(x, y, row.data(), {&row[planes], &row[2 * planes], &row[3 * planes]});
+      for (std::size_t k = 0; k < planes; ++k) {
+        sums[4 * k] += row[k] - 1;
+        for (std::size_t axis = 1; axis < 4; ++axis) {
+          sums[4 * k + axis] += row[k] * row[axis * planes + k];
+        }
+      }
+    }
+  }
+  return sums;
+}
+
+template <class Real>
+std::size_t Populations<Real>::memory() const {
+  std::size_t bytes = slab_of_.bytes() + halo_.memory();
+  for (const auto& slots : slots_) bytes += slots.size() * sizeof slots[0];
+  bytes += (first_met_.size() + met_.size()) * sizeof(std::size_t);
+  for (const Patch& patch : patches_) bytes += 10 * sizeof(double) * patch.density.size();
+  return bytes;
+}
+
+}  // namespace
+
+std::unique_ptr<FluidImpl> make_populations(MPI_Comm comm, const Options& options) {
+  if (options.storage == Storage::single_precision) {
+    return std::make_unique<Populations<float>>(comm, options);
+  }
+  return std::make_unique<Populations<double>>(comm, options);
+}
+
+}  // namespace ductile::fluid

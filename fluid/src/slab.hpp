@@ -1,0 +1,189 @@
+// The populations of a slab in memory, and where a row finds its own.
+#pragma once
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <optional>
+
+#include "ductile/fluid/d3q19.hpp"
+#include "ductile/fluid/fluid.hpp"
+#include "kernel.hpp"
+
+namespace ductile::fluid {
+
+/// Zero-initialised memory on huge pages where the system grants them, so that the streams of a row
+/// do not exhaust the TLB.
+template <class Real>
+class HugePages {
+ public:
+  explicit HugePages(std::size_t count) : bytes_(count * sizeof(Real)) {
+    constexpr std::size_t huge = std::size_t{2} << 20U;
+    const std::size_t rounded = (bytes_ + huge - 1) / huge * huge;
+    data_.reset(static_cast<Real*>(std::aligned_alloc(huge, rounded)));
+    if (!data_) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+    madvise(data_.get(), rounded, MADV_HUGEPAGE);
+#endif
+    std::fill_n(data_.get(), count, Real{0});
+  }
+  [[nodiscard]] Real* data() const {
+    return data_.get();
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_;
+  }
+
+ private:
+  struct Free {
+    void operator()(Real* p) const { std::free(p); }  // NOLINT: pairs with aligned_alloc
+  };
+  std::size_t bytes_;
+  std::unique_ptr<Real, Free> data_;
+};
+
+/// Nineteen arrays over x, y, z, z fastest. The populations are in one of the two states of the AA
+/// pattern. Before an even step f_i of node x is in array i at x. The even step leaves the collided
+/// f_i* in array opposite(i) at x; the odd step fetches f_i(x) from there, at x - c_i, and puts
+/// f_i* in array i at x + c_i, which is the first state again. A half-way wall between x and x +
+/// c_i sends f_i* back to x as f_(-i), and that is where the even step has left it: the odd step
+/// then reads and writes array opposite(i) at x.
+template <class Real>
+class Slab {
+ public:
+  Slab(const Options& options, int planes);
+
+  [[nodiscard]] int planes() const { return planes_; }
+  [[nodiscard]] std::size_t bytes() const { return storage_.bytes(); }
+
+  /// Array i at column (x, y), from plane 0 of the slab on; planes -1 and planes() are there too,
+  /// for what an odd step exchanges with the slabs below and above.
+  [[nodiscard]] Real* at(int i, int x, int y) const { return column(x, y) + i * stride_; }
+  /// Moves (x, y) by (dx, dy), around where periodic; false if that is outside.
+  bool move(int& x, int& y, int dx, int dy) const {
+    return move(x, dx, nx_, boundary_[0]) && move(y, dy, ny_, boundary_[1]);
+  }
+  /// Where the row finds its populations in an odd or an even step.
+  [[nodiscard]] Row<Real> row(int x, int y, bool odd) const {
+    const Places& places = places_[odd ? 1 : 0][kind(x, y)];
+    Real* base = column(x, y);
+    Row<Real> row;
+    row.rest = base;
+    for (int p = 0; p < d3q19::pairs; ++p) {
+      const auto n = static_cast<std::size_t>(p);
+      row.plus[p] = base + places.plus[n];
+      row.minus[p] = base + places.minus[n];
+    }
+    return row;
+  }
+  /// The regularized wall that the row is on, if any.
+  [[nodiscard]] const RowWall* wall(int x, int y) const {
+    const auto& wall = walls_[kind(x, y)];
+    return wall ? &*wall : nullptr;
+  }
+
+ private:
+  static constexpr std::ptrdiff_t line_ = 64 / sizeof(Real);
+  static std::ptrdiff_t lines(std::ptrdiff_t n) { return (n + line_ - 1) / line_; }
+  static bool move(int& x, int dx, int n, Boundary boundary) {
+    x += dx;
+    if (x >= 0 && x < n) return true;
+    if (boundary != Boundary::periodic) return false;
+    x = (x + n) % n;
+    return true;
+  }
+  [[nodiscard]] Real* column(int x, int y) const {
+    return storage_.data() + line_ + (static_cast<std::ptrdiff_t>(x) * ny_ + y) * pitch_;
+  }
+  // What rows have in common: whether they are the first, the last or in between, in x and in y.
+  [[nodiscard]] std::size_t kind(int x, int y) const {
+    const auto along = [](int node, int n) { return node == 0 ? 0U : (node == n - 1 ? 2U : 1U); };
+    return 3 * along(x, nx_) + along(y, ny_);
+  }
+  void find_places();
+  void find_walls(const Options& options);
+
+  int nx_;
+  int ny_;
+  int planes_;
+  std::array<Boundary, 3> boundary_;
+  std::ptrdiff_t pitch_;   // from row to row: plane -1 of one shares padding with the one before
+  std::ptrdiff_t stride_;  // from array to array
+  HugePages<Real> storage_;
+  // Distances from a column's array 0.
+  struct Places {
+    std::array<std::ptrdiff_t, d3q19::pairs> plus;
+    std::array<std::ptrdiff_t, d3q19::pairs> minus;
+  };
+  std::array<std::array<Places, 9>, 2> places_{};
+  std::array<std::optional<RowWall>, 9> walls_;
+};
+
+template <class Real>
+Slab<Real>::Slab(const Options& options, int planes)
+    : nx_(options.nodes[0]),
+      ny_(options.nodes[1]),
+      planes_(planes),
+      boundary_(options.boundary),
+      pitch_(lines(planes + 2) * line_),
+      // An odd number of cache lines apart, the arrays do not compete for the same cache sets.
+      stride_((lines(line_ + static_cast<std::ptrdiff_t>(nx_) * ny_ * pitch_) | 1) * line_),
+      storage_(static_cast<std::size_t>(d3q19::Q * stride_)) {
+  find_places();
+  find_walls(options);
+}
+
+template <class Real>
+void Slab<Real>::find_places() {
+  for (const int x : {0, nx_ / 2, nx_ - 1}) {
+    for (const int y : {0, ny_ / 2, ny_ - 1}) {
+      for (int p = 0; p < d3q19::pairs; ++p) {
+        const auto n = static_cast<std::size_t>(p);
+        const int plus = d3q19::plus(p);
+        const int minus = d3q19::minus(p);
+        const auto& e = d3q19::e[n];
+        Places& even = places_[0][kind(x, y)];
+        Places& odd = places_[1][kind(x, y)];
+        even.plus[n] = odd.plus[n] = plus * stride_;
+        even.minus[n] = odd.minus[n] = minus * stride_;
+        int xn = x;
+        int yn = y;
+        if (move(xn, yn, -e[0], -e[1])) odd.plus[n] = at(minus, xn, yn) - e[2] - column(x, y);
+        xn = x;
+        yn = y;
+        if (move(xn, yn, e[0], e[1])) odd.minus[n] = at(plus, xn, yn) + e[2] - column(x, y);
+      }
+    }
+  }
+}
+
+template <class Real>
+void Slab<Real>::find_walls(const Options& options) {
+  for (const int x : {0, nx_ / 2, nx_ - 1}) {
+    for (const int y : {0, ny_ / 2, ny_ - 1}) {
+      RowWall wall{};
+      Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+      int count = 0;
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const int node = axis == 0 ? x : y;
+        const bool low = node == 0;
+        const bool high = node == options.nodes[axis] - 1;
+        if (options.boundary[axis] != Boundary::regularized || !(low || high)) continue;
+        wall.normal[axis] = low ? 1 : -1;
+        velocity += options.wall_velocity[axis][low ? 0 : 1];
+        ++count;
+      }
+      if (count == 0) continue;
+      velocity /= count;  // on an edge, the mean of the two walls'
+      std::copy_n(velocity.data(), 3, wall.velocity);
+      walls_[kind(x, y)] = wall;
+    }
+  }
+}
+
+}  // namespace ductile::fluid
