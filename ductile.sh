@@ -87,7 +87,7 @@ case ${1:-} in
   build)
     make_target all
     ;;
-  run | pair | compare)
+  run | pair | compare | bench)
     make_target ductile
     if [ "$ranks" -eq 1 ]; then exec "$build/drivers/ductile" "$@"; fi
     [ ! -t 2 ] || export DUCTILE_LIVE=1

@@ -394,12 +394,20 @@ double population_bytes(const Scenario& scenario, const LatticeSetup& setup) {
   return 19 * width * static_cast<double>(setup.node_count());
 }
 
-double estimated_seconds(const LatticeSetup& setup, int cores) {
-  return static_cast<double>(setup.node_count()) * static_cast<double>(setup.total_steps) /
-         (assumed_updates * std::max(1, cores));
+double expected_speed(const Scenario& scenario, int cores, const std::optional<KnownSpeed>& known) {
+  if (!known) return assumed_updates * std::max(1, cores);
+  const double all = scenario.fluid.storage == fluid::Storage::single_precision
+                         ? known->single_precision
+                         : known->double_precision;
+  return all * std::clamp(cores, 1, known->ranks) / known->ranks;
 }
 
-std::string report(const Scenario& scenario, const LatticeSetup& setup, int cores) {
+double estimated_seconds(const LatticeSetup& setup, double speed) {
+  return static_cast<double>(setup.node_count()) * static_cast<double>(setup.total_steps) / speed;
+}
+
+std::string report(const Scenario& scenario, const LatticeSetup& setup, int cores,
+                   const std::optional<KnownSpeed>& known) {
   const ChannelOptions& channel = scenario.channel;
   Models models(scenario, setup);
   std::string text;
@@ -464,11 +472,14 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
                             to == Gap::To::wall ? "wall" : "body"));
   }
   line("memory", size(population_bytes(scenario, setup)) + " of populations");
+  const double speed = expected_speed(scenario, cores, known);
   line("duration",
-       fmt::format("about {} until the time limit on {} core{}, at {:.0f} million updates a second "
-                   "and core",
-                   duration(estimated_seconds(setup, cores)), cores, cores == 1 ? "" : "s",
-                   assumed_updates / 1e6));
+       fmt::format(
+           "about {} until the time limit on {} core{}, at {:.0f} million updates a second, "
+           "{}",
+           duration(estimated_seconds(setup, speed)), cores, cores == 1 ? "" : "s", speed / 1e6,
+           known ? "as `ductile bench` has found here"
+                 : "a guess: run `ductile bench` once for a better one"));
   for (const std::string& note : notes(scenario, setup)) line("note", note);
   for (const std::string& warning : find_warnings(scenario, setup, models))
     line("warning", warning);

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "bench.hpp"
 #include "scenario.hpp"
 #include "units.hpp"
 
@@ -42,10 +44,14 @@ std::vector<std::string> notes(const Scenario& scenario, const LatticeSetup& set
 /// Bytes of the fluid's populations on all ranks.
 double population_bytes(const Scenario& scenario, const LatticeSetup& setup);
 
-/// Seconds until the time limit on so many cores, from an assumed speed (see check.cpp).
-double estimated_seconds(const LatticeSetup& setup, int cores);
+/// Node updates a second on so many cores: the share of what `ductile bench` has measured on this
+/// machine, or a cautious guess (see check.cpp).
+double expected_speed(const Scenario& scenario, int cores, const std::optional<KnownSpeed>& known);
+/// Seconds until the time limit at that speed.
+double estimated_seconds(const LatticeSetup& setup, double speed);
 
 /// The report of `ductile check`.
-std::string report(const Scenario& scenario, const LatticeSetup& setup, int cores);
+std::string report(const Scenario& scenario, const LatticeSetup& setup, int cores,
+                   const std::optional<KnownSpeed>& known);
 
 }  // namespace ductile::drivers

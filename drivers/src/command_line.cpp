@@ -248,6 +248,19 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
   check->add_option("FILE", file, "The scenario, TOML")->required()->type_name("");
   add_set(check);
 
+  CLI::App* bench = app.add_subcommand(
+      "bench", "Measure what this machine's memory allows, and how near the program comes to it");
+  bench->add_option("--nodes", command.bench.nodes, "Nodes across the channel, 90 by default")
+      ->type_name("NUMBER")
+      ->check(CLI::Range(24, 400));
+  bench->add_option("--repeats", command.bench.repeats, "Of each measurement, 9 by default")
+      ->type_name("NUMBER")
+      ->check(CLI::Range(1, 1000));
+  bench->add_flag("--json", command.bench.json, "Print JSON, with every repeat");
+  bench->footer(
+      "Takes about a minute; run it under mpirun, on a machine that does nothing else. Keeps the\n"
+      "speed of the run with two capsules, from which `ductile check` estimates durations.");
+
   CLI::App* keys = app.add_subcommand(
       "keys", "All keys of a scenario file: default, type, bounds, unit and meaning");
 
@@ -277,6 +290,10 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     overrides.insert(overrides.end(), entries.begin(), entries.end());
   }
 
+  if (bench->parsed()) {
+    command.action = Command::Action::bench;
+    return command;
+  }
   if (check->parsed()) {
     command.action = Command::Action::check;
     command.scenario = load_scenario(file, overrides);

@@ -6,16 +6,18 @@
 #include <utility>
 #include <vector>
 
+#include "bench.hpp"
 #include "scenario.hpp"
 
 namespace ductile::drivers {
 
 struct Command {
   enum class Action {
-    print,   ///< `text`
-    check,   ///< report on `scenario`
-    run,     ///< run `scenario` into `directory`
-    compare  ///< run `scenario` with each of `integrators`, each into a directory in `directory`
+    print,    ///< `text`
+    check,    ///< report on `scenario`
+    run,      ///< run `scenario` into `directory`
+    compare,  ///< run `scenario` with each of `integrators`, each into a directory in `directory`
+    bench     ///< measure the machine as `bench` says
   };
   Action action = Action::print;
   std::string text;
@@ -25,6 +27,7 @@ struct Command {
   std::filesystem::path directory;
   bool force = false;    ///< replace a run that is in the directory
   bool profile = false;  ///< show the time by part
+  BenchOptions bench;
 };
 
 /// What the arguments (without the program's name) ask for. Reads scenario files, writes nothing.

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench.hpp"
 #include "check.hpp"
 #include "command_line.hpp"
 #include "compare.hpp"
@@ -51,13 +52,15 @@ struct Decision {
   bool profile = false;
   std::string directory;
   std::vector<Variant> variants;  ///< of a single run, without an integrator's name
+  BenchOptions bench;
 };
 
 /// Rank 0's decision, on every rank. Collective.
 void broadcast(Decision& decision, MPI_Comm comm) {
-  std::array<int, 5> numbers{decision.exit_code, static_cast<int>(decision.action),
-                             decision.force ? 1 : 0, decision.profile ? 1 : 0,
-                             static_cast<int>(decision.variants.size())};
+  std::array<int, 7> numbers{
+      decision.exit_code,       static_cast<int>(decision.action),          decision.force ? 1 : 0,
+      decision.profile ? 1 : 0, static_cast<int>(decision.variants.size()), decision.bench.nodes,
+      decision.bench.repeats};
   require(MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_INT, 0, comm),
           "MPI_Bcast");
   decision.exit_code = numbers[0];
@@ -65,6 +68,8 @@ void broadcast(Decision& decision, MPI_Comm comm) {
   decision.force = numbers[2] != 0;
   decision.profile = numbers[3] != 0;
   decision.variants.resize(static_cast<std::size_t>(numbers[4]));
+  decision.bench.nodes = numbers[5];
+  decision.bench.repeats = numbers[6];
   broadcast(decision.directory, comm);
   for (Variant& variant : decision.variants) {
     broadcast(variant.integrator, comm);
@@ -109,7 +114,12 @@ Decision decide(const std::vector<std::string>& arguments) {
     if (command.action == Command::Action::check) {
       const int cores = static_cast<int>(std::thread::hardware_concurrency());
       const LatticeSetup setup = lattice_setup(command.scenario);
-      std::fputs(report(command.scenario, setup, cores).c_str(), stdout);
+      std::fputs(report(command.scenario, setup, cores, known_speed()).c_str(), stdout);
+      return decision;
+    }
+    if (command.action == Command::Action::bench) {
+      decision.action = command.action;
+      decision.bench = command.bench;
       return decision;
     }
     const bool compare = command.action == Command::Action::compare;
@@ -145,6 +155,26 @@ bool has_results(int exit_code) {
 }
 
 /// Collective.
+int run_bench(const BenchOptions& options, MPI_Comm comm) {
+  int rank = 0;
+  require(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
+  try {
+    const BenchResult result = measure(options, comm);
+    if (rank != 0) return exit_success;
+    std::fputs((options.json ? json(result) : table(result)).c_str(), stdout);
+    if (const auto file = keep_speed(result)) {
+      fmt::print(stderr, "kept for `ductile check` in {}\n", *file);
+    } else {
+      fmt::print(stderr, "warning: the speed could not be kept for `ductile check`\n");
+    }
+  } catch (const InputError& error) {
+    if (rank == 0) std::fprintf(stderr, "%s\n", error.what());
+    return exit_bad_input;
+  }
+  return exit_success;
+}
+
+/// Collective.
 int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Pictures& pictures) {
   int rank = 0;
   require(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
@@ -152,6 +182,7 @@ int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Pictur
   if (rank == 0) decision = decide(arguments);
   broadcast(decision, comm);
   if (decision.action == Command::Action::print) return decision.exit_code;
+  if (decision.action == Command::Action::bench) return run_bench(decision.bench, comm);
   // All ranks, the first too, run the resolved text: what is in the run directory is what was run.
   const Scenario scenario = parse_scenario(decision.variants.front().scenario, "scenario.toml");
   const LatticeSetup setup = lattice_setup(scenario);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 #include <numeric>
+#include <stdexcept>
+#include <utility>
 
 namespace ductile::drivers {
 namespace {
@@ -43,6 +45,25 @@ std::array<std::string_view, RunProfile::parts> RunProfile::names() {
   std::copy(coupling::part_names.begin(), coupling::part_names.end(), names.begin());
   names.back() = "output";
   return names;
+}
+
+std::optional<RunProfile> gathered(const coupling::Profile& own, double whole, MPI_Comm comm) {
+  int rank = 0;
+  int ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  RunProfile::Rank mine{};
+  std::copy(own.seconds.begin(), own.seconds.end(), mine.begin());
+  mine.back() = whole - own.total();
+  RunProfile profile;
+  profile.steps = own.steps;
+  if (rank == 0) profile.ranks.resize(static_cast<std::size_t>(ranks));
+  constexpr int count = static_cast<int>(RunProfile::parts);
+  if (MPI_Gather(mine.data(), count, MPI_DOUBLE, profile.ranks.data(), count, MPI_DOUBLE, 0,
+                 comm) != MPI_SUCCESS) {
+    throw std::runtime_error("MPI: MPI_Gather failed");
+  }
+  return rank == 0 ? std::optional(std::move(profile)) : std::nullopt;
 }
 
 double RunProfile::largest(coupling::Part part) const {

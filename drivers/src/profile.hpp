@@ -1,8 +1,11 @@
 // Where a run's time went: rank by rank, part by part.
 #pragma once
 
+#include <mpi.h>
+
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +31,10 @@ struct RunProfile {
   [[nodiscard]] double largest(coupling::Part part) const;
   [[nodiscard]] double longest_step() const;
 };
+
+/// Of all ranks, on rank 0; nothing on the others. `whole` is this rank's time in the loop, of
+/// which the coupler does not know the output's. Collective. Throws std::runtime_error.
+std::optional<RunProfile> gathered(const coupling::Profile& own, double whole, MPI_Comm comm);
 
 /// One row a part: seconds and share of each rank where there are at most four, and where there are
 /// several their least, mean and largest.

@@ -39,7 +39,7 @@ struct FluidOptions {
   double tau = 1;
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
-  fluid::Storage storage = fluid::Storage::double_precision;
+  fluid::Storage storage = fluid::Storage::single_precision;  ///< doc/precision.md
   bool operator==(const FluidOptions&) const = default;
 };
 

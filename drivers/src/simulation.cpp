@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "assembly.hpp"
 #include "bodies.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/duct.hpp"
@@ -194,24 +195,13 @@ class Simulation {
         comm_(comm),
         rank_(rank_of(comm)),
         ranks_(size_of(comm)),
-        fluid_(make_fluid(scenario, setup, comm)) {
-    std::vector<coupling::Member> members;
-    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
-      if (owner(b) != rank_) continue;
-      bodies_.push_back({b, make_body(scenario, setup, b)});
-      members.push_back({static_cast<int>(b), &bodies_.back().body->markers()});
-    }
-    coupler_.emplace(fluid_, std::move(members), static_cast<int>(scenario.bodies.size()));
-  }
+        assembly_(scenario, setup, comm),
+        fluid_(assembly_.fluid()),
+        coupler_(assembly_.coupler()) {}
 
   RunResult run(const RunOptions& options);
 
  private:
-  struct Owned {
-    std::size_t index;
-    std::unique_ptr<ImmersedBody> body;
-  };
-
   static int rank_of(MPI_Comm comm) {
     int rank = 0;
     MPI_Comm_rank(comm, &rank);
@@ -222,15 +212,6 @@ class Simulation {
     MPI_Comm_size(comm, &size);
     return size;
   }
-  [[nodiscard]] int owner(std::size_t body) const {
-    return static_cast<int>(body % static_cast<std::size_t>(ranks_));
-  }
-  [[nodiscard]] const ImmersedBody* own(std::size_t body) const {
-    for (const Owned& owned : bodies_) {
-      if (owned.index == body) return owned.body.get();
-    }
-    return nullptr;
-  }
   [[nodiscard]] double time() const { return setup_.time(fluid_.time()); }
 
   // Rank 0 does the work, which may fail; every rank learns the outcome.
@@ -238,7 +219,6 @@ class Simulation {
   std::vector<double> fetch(std::size_t body, std::span<const double> values);
   Sample sample();
   std::vector<membrane::SolveStatistics> solvers();
-  std::optional<RunProfile> profile(double wall_time);
   void write_frame(bool with_fluid);
   Signal record(std::int64_t step);
   void check_fluid();
@@ -250,9 +230,9 @@ class Simulation {
   MPI_Comm comm_;
   int rank_;
   int ranks_;
-  fluid::Fluid fluid_;
-  std::vector<Owned> bodies_;
-  std::optional<coupling::Coupler> coupler_;
+  Assembly assembly_;
+  fluid::Fluid& fluid_;
+  coupling::Coupler& coupler_;
   std::optional<Recorder> recorder_;
   std::optional<Progress> progress_;
   bool profiled_ = false;
@@ -277,7 +257,7 @@ Signal Simulation::on_root(const std::function<Signal()>& work) {
 // `values` of the body's owner, on rank 0.
 std::vector<double> Simulation::fetch(std::size_t body, std::span<const double> values) {
   std::vector<double> result(values.begin(), values.end());
-  const int from = owner(body);
+  const int from = assembly_.owner(body);
   if (from == 0) return result;
   const int tag = static_cast<int>(body);
   if (rank_ == from) {
@@ -301,7 +281,7 @@ Sample Simulation::sample() {
   sample.time = time();
   for (std::size_t b = 0; b < scenario_.bodies.size(); ++b) {
     std::vector<double> values;
-    if (const ImmersedBody* body = own(b)) {
+    if (const ImmersedBody* body = assembly_.own(b)) {
       const BodySample s = body->sample();
       values = {s.position.x(),  s.position.y(), s.position.z(),       s.velocity.x(),
                 s.velocity.y(),  s.velocity.z(), s.deformation,        s.volume_error,
@@ -327,7 +307,7 @@ std::vector<membrane::SolveStatistics> Simulation::solvers() {
   std::vector<membrane::SolveStatistics> list(scenario_.bodies.size());
   for (std::size_t b = 0; b < list.size(); ++b) {
     std::vector<double> values;
-    if (const ImmersedBody* body = own(b)) {
+    if (const ImmersedBody* body = assembly_.own(b)) {
       const membrane::SolveStatistics s = body->solver();
       for (const std::int64_t count :
            {s.solves, s.newton_iterations, s.krylov_iterations, s.tangents, s.step_cuts}) {
@@ -342,28 +322,12 @@ std::vector<membrane::SolveStatistics> Simulation::solvers() {
   return list;
 }
 
-// The time by part of all ranks, on rank 0; nothing on the others.
-std::optional<RunProfile> Simulation::profile(double wall_time) {
-  const coupling::Profile& own = coupler_->profile();
-  RunProfile::Rank mine{};
-  std::copy(own.seconds.begin(), own.seconds.end(), mine.begin());
-  mine.back() = wall_time - own.total();
-  RunProfile profile;
-  profile.steps = own.steps;
-  if (rank_ == 0) profile.ranks.resize(static_cast<std::size_t>(ranks_));
-  constexpr int count = static_cast<int>(RunProfile::parts);
-  check(
-      MPI_Gather(mine.data(), count, MPI_DOUBLE, profile.ranks.data(), count, MPI_DOUBLE, 0, comm_),
-      "MPI_Gather");
-  return rank_ == 0 ? std::optional(std::move(profile)) : std::nullopt;
-}
-
 void Simulation::write_frame(bool with_fluid) {
   std::vector<std::array<std::vector<double>, 3>> arrays;
   const double velocity_unit = setup_.velocity(Eigen::Vector3d::UnitX()).x();
   const double force_unit = 1 / (setup_.nu * setup_.nu);
   for (std::size_t b = 0; b < scenario_.bodies.size(); ++b) {
-    const ImmersedBody* body = own(b);
+    const ImmersedBody* body = assembly_.own(b);
     const auto get = [&](auto member) {
       return fetch(b, body != nullptr ? (body->*member)() : std::span<const double>());
     };
@@ -538,7 +502,7 @@ RunResult Simulation::run(const RunOptions& options) {
   try {
     Signal signal = record(0);
     while (signal == go_on && fluid_.time() < setup_.total_steps) {
-      coupler_->step();
+      coupler_.step();
       if (fluid_.time() == 1) report_unread_options();
       if (fluid_.time() % finite_interval == 0) check_fluid();
       signal = record(fluid_.time());
@@ -562,7 +526,7 @@ RunResult Simulation::run(const RunOptions& options) {
 RunResult Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up) {
   const double wall_time = Progress::steady_seconds() - start_;
   std::optional<RunProfile> times;
-  if (profiled_) times = profile(wall_time);
+  if (profiled_) times = gathered(coupler_.profile(), wall_time, comm_);
   const std::vector<membrane::SolveStatistics> spent = solvers();
   RunResult result;
   result.exit_code = status == RunStatus::blew_up ? exit_blow_up : exit_success;

@@ -7,7 +7,8 @@
 
 namespace ductile::drivers {
 
-/// Name and version of the program, the compiler and the libraries, the program first.
+/// Name and version of the program, the compiler and the libraries, the program first; "kernel" is
+/// the instruction set that the fluid runs on here.
 std::vector<std::pair<std::string, std::string>> versions();
 
 }  // namespace ductile::drivers

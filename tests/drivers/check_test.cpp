@@ -120,21 +120,27 @@ TEST(Check, CostFollowsFromNodesAndSteps) {
   const Scenario s = parse_scenario("[channel]\nnodes = 90\n", "case.toml");
   const LatticeSetup setup = lattice_setup(s);
   EXPECT_EQ(setup.node_count(), 90 * 90 * 540);
-  EXPECT_EQ(population_bytes(s, setup), 90.0 * 90 * 540 * 19 * 8);
-  const Scenario single =
-      parse_scenario("[channel]\nnodes = 90\n[fluid]\nstorage = 'single'\n", "case.toml");
-  EXPECT_EQ(population_bytes(single, setup), 90.0 * 90 * 540 * 19 * 4);
-  EXPECT_DOUBLE_EQ(estimated_seconds(setup, 1), 2 * estimated_seconds(setup, 2));
+  EXPECT_EQ(population_bytes(s, setup), 90.0 * 90 * 540 * 19 * 4);
+  const Scenario twice =
+      parse_scenario("[channel]\nnodes = 90\n[fluid]\nstorage = 'double'\n", "case.toml");
+  EXPECT_EQ(population_bytes(twice, setup), 90.0 * 90 * 540 * 19 * 8);
+  EXPECT_DOUBLE_EQ(estimated_seconds(setup, 1e6),
+                   static_cast<double>(setup.node_count() * setup.total_steps) / 1e6);
+  EXPECT_DOUBLE_EQ(expected_speed(s, 2, std::nullopt), 2 * expected_speed(s, 1, std::nullopt));
+  const KnownSpeed known{4, 400e6, 600e6};
+  EXPECT_DOUBLE_EQ(expected_speed(twice, 2, known), 200e6);
+  EXPECT_DOUBLE_EQ(expected_speed(s, 4, known), 600e6);
+  EXPECT_DOUBLE_EQ(expected_speed(s, 8, known), 600e6);  // more cores were not measured
 }
 
 TEST(Check, ReportSaysWhatTheRunWouldBe) {
   const Scenario s = parse_scenario(pair_text, "case.toml");
-  const std::string text = report(s, lattice_setup(s), 2);
+  const std::string text = report(s, lattice_setup(s), 2, std::nullopt);
   for (const char* part :
        {"36 x 36 x 216 = 279936 nodes", "W = 18 dx", "Mach number 0.080", "1944 steps per W^2/nu",
         "116640 steps until t = 60", "lag: capsule, a = 7.2 dx", "k_s = 0.3858",
         "of the limit of explicit-euler (shear 10%, bending 1%, volume 21%)",
-        "integrator explicit-euler: the cheapest that is stable here", "42.6 MB",
+        "integrator explicit-euler: the cheapest that is stable here", "21.3 MB",
         "4.987 dx from body \"lead\" to body"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
 }

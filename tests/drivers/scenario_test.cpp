@@ -42,7 +42,7 @@ TEST(Scenario, EmptyFileGetsEveryDefault) {
   EXPECT_EQ(s.fluid.tau, 1);
   EXPECT_EQ(s.fluid.collision, fluid::Collision::bgk);
   EXPECT_EQ(s.fluid.magic, 3.0 / 16.0);
-  EXPECT_EQ(s.fluid.storage, fluid::Storage::double_precision);
+  EXPECT_EQ(s.fluid.storage, fluid::Storage::single_precision);
   EXPECT_EQ(s.membrane.law, membrane::StrainLaw::skalak);
   EXPECT_EQ(s.membrane.area_ratio, 2);
   EXPECT_EQ(s.membrane.bending, 2.87e-3);
@@ -164,7 +164,7 @@ start = "rest"
 tau = 0.7000000000000001
 collision = "trt"
 magic = 0.25
-storage = "single"
+storage = "double"
 [membrane]
 law = "neo-hookean"
 area_ratio = 3.3

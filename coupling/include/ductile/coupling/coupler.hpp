@@ -20,8 +20,8 @@ struct Member {
   Body* body;
 };
 
-/// A body could not be advanced. Thrown on every rank, with the same body, step and reason. The step
-/// is not complete: fluid and bodies may have taken it or not.
+/// A body could not be advanced. Thrown on every rank, with the same body, step and reason. The
+/// step is not complete: fluid and bodies may have taken it or not.
 class BodyFailure : public std::runtime_error {
  public:
   BodyFailure(int body, std::optional<std::size_t> marker, std::int64_t step,

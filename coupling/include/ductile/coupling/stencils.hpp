@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ductile/coupling/body.hpp"
+#include "ductile/coupling/marker.hpp"
 #include "ductile/fluid/fluid.hpp"
 
 namespace ductile::coupling {
@@ -25,14 +26,10 @@ class Stencils {
   /// four planes: partial[12 m + 4 component + plane].
   void interpolate(const fluid::Patch& patch, int period, std::span<double> partial) const;
 
-  struct Marker {
-    std::array<int, 3> base;
-    std::array<std::array<double, 4>, 3> phi;
-  };
-  [[nodiscard]] const Marker& operator[](std::size_t m) const { return markers_[m]; }
+  [[nodiscard]] const StencilMarker& operator[](std::size_t m) const { return markers_[m]; }
 
  private:
-  std::vector<Marker> markers_;
+  std::vector<StencilMarker> markers_;
 };
 
 /// Response from markers alone: S S^T is the same wherever the lattice's nodes are, so the owner of
@@ -46,12 +43,7 @@ class MarkerResponse final : public Response {
   void apply(std::span<const double> force, std::span<double> velocity) const override;
 
  private:
-  struct Marker {
-    std::size_t corner;             // of its stencil, in nodes of the grid
-    std::array<double, 16> across;  // phi(x) phi(y)
-    std::array<double, 4> along;    // phi(z)
-  };
-  std::vector<Marker> markers_;
+  std::vector<ResponseMarker> markers_;
   std::array<std::size_t, 3> size_{};
   mutable std::vector<double> grid_;  // scratch around the markers, x y z and a gap at each node
 };

@@ -1,0 +1,355 @@
+#include "bench.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "assembly.hpp"
+#include "ductile/fluid/bench.hpp"
+#include "ductile/fluid/d3q19.hpp"
+#include "ductile/fluid/fluid.hpp"
+#include "ductile/fluid/instruction_set.hpp"
+#include "errors.hpp"
+#include "json.hpp"
+#include "pairs.hpp"
+#include "scenario.hpp"
+#include "units.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+constexpr double seconds_a_repeat = 0.15;  // at least, of each measurement
+constexpr int populations = fluid::d3q19::Q;
+
+// The paper's pair M2 with a mesh of 20480 triangles at 90 nodes.
+Scenario pair(int nodes, fluid::Storage storage) {
+  std::string_view text;
+  for (const auto& [name, scenario] : pair_scenarios()) {
+    if (name == "M2") text = scenario;
+  }
+  const auto set = [](std::string key, std::string value) {
+    return Override{std::move(key), std::move(value), "bench"};
+  };
+  return parse_scenario(
+      text, "M2.toml",
+      {set("channel.nodes", fmt::format("{}", nodes)), set("membrane.edge", "0.68"),
+       set("body.lag.x", "-0.2"),
+       set("fluid.storage", storage == fluid::Storage::single_precision ? "single" : "double")});
+}
+
+fluid::Options channel(int nodes, fluid::Storage storage, fluid::Boundary walls) {
+  fluid::Options options;
+  options.nodes = {nodes, nodes, 6 * nodes};
+  options.boundary = {walls, walls, fluid::Boundary::periodic};
+  options.tau = 0.9;
+  options.force = {0, 0, 1e-6};
+  options.storage = storage;
+  return options;
+}
+
+// Two boxes as large as those around the pair's capsules.
+std::array<fluid::Box, 2> boxes(int nodes) {
+  const int across = nodes * 2 / 5 + 6;
+  const int begin = (nodes - across) / 2;
+  const fluid::Range range = {begin, begin + across};
+  const int along = (across + 7) / 8 * 8;
+  return {fluid::Box{range, range, {2 * nodes, 2 * nodes + along}},
+          fluid::Box{range, range, {3 * nodes, 3 * nodes + along}}};
+}
+
+// Times things on some of the ranks while the others wait.
+class Bench {
+ public:
+  Bench(const BenchOptions& options, MPI_Comm comm) : options_(options), comm_(comm) {
+    MPI_Comm_rank(comm, &rank_);
+    MPI_Comm_size(comm, &ranks_);
+  }
+
+  BenchTable run(fluid::Storage storage);
+
+ private:
+  [[nodiscard]] double node_count() const { return 6 * std::pow(options_.nodes, 3); }
+  // Seconds for `steps` calls of f, the same on all ranks.
+  double seconds(int steps, const std::function<void()>& f) const {
+    MPI_Barrier(comm_);
+    double time = MPI_Wtime();
+    for (int n = 0; n < steps; ++n) f();
+    MPI_Barrier(comm_);
+    time = MPI_Wtime() - time;
+    MPI_Bcast(&time, 1, MPI_DOUBLE, 0, comm_);
+    return time;
+  }
+  // An even number, so that each state of the populations is met as often.
+  [[nodiscard]] int enough_steps(const std::function<void()>& f) const {
+    const double one = seconds(2, f) / 2;
+    return 2 * std::max(1, static_cast<int>(std::ceil(0.5 * seconds_a_repeat / one)));
+  }
+  void row(BenchTable& table, const std::string& name, int ranks, const std::function<void()>& step,
+           const std::function<void()>& ceiling) const;
+
+  BenchOptions options_;
+  MPI_Comm comm_;
+  int rank_ = 0;
+  int ranks_ = 1;
+};
+
+void Bench::row(BenchTable& table, const std::string& name, int ranks,
+                const std::function<void()>& step, const std::function<void()>& ceiling) const {
+  BenchRow row{name, ranks, {}, {}};
+  const int ceiling_steps = enough_steps(ceiling);
+  const int steps = enough_steps(step);
+  for (int n = 0; n < options_.repeats; ++n) {
+    const double highest = node_count() * ceiling_steps / seconds(ceiling_steps, ceiling);
+    row.updates.push_back(node_count() * steps / seconds(steps, step));
+    row.fraction.push_back(row.updates.back() / highest);
+    table.ceiling.push_back(highest);
+  }
+  table.rows.push_back(std::move(row));
+}
+
+BenchTable Bench::run(fluid::Storage storage) {
+  BenchTable table;
+  table.single_precision = storage == fluid::Storage::single_precision;
+  fluid::Fluid streamed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+  const auto ceiling = [&] { fluid::stream_only(streamed); };
+  for (const fluid::Boundary walls : {fluid::Boundary::halfway, fluid::Boundary::regularized}) {
+    fluid::Fluid fluid(comm_, channel(options_.nodes, storage, walls));
+    const bool halfway = walls == fluid::Boundary::halfway;
+    row(
+        table, halfway ? "fluid, half-way walls" : "fluid, walls on nodes", ranks_,
+        [&] { fluid.step(); }, ceiling);
+    if (!halfway) continue;
+    fluid.place_boxes(boxes(options_.nodes));
+    row(
+        table, "fluid, forces in two boxes", ranks_, [&] { fluid.step(); }, ceiling);
+  }
+  const Scenario scenario = pair(options_.nodes, storage);
+  const LatticeSetup setup = lattice_setup(scenario);
+  {
+    Assembly all(scenario, setup, comm_);
+    all.coupler().step();
+    all.coupler().reset_profile();
+    row(
+        table, "two capsules", ranks_, [&] { all.coupler().step(); }, ceiling);
+    const coupling::Profile& profile = all.coupler().profile();
+    table.coupled = gathered(profile, profile.total(), comm_).value_or(RunProfile{});
+  }
+  if (ranks_ == 1) return table;
+  // One rank works, the others wait.
+  {
+    std::optional<fluid::Fluid> fluid;
+    if (rank_ == 0) {
+      fluid.emplace(MPI_COMM_SELF, channel(options_.nodes, storage, fluid::Boundary::halfway));
+    }
+    row(
+        table, "fluid, half-way walls", 1,
+        [&] {
+          if (fluid) fluid->step();
+        },
+        ceiling);
+  }
+  std::optional<Assembly> one;
+  if (rank_ == 0) one.emplace(scenario, setup, MPI_COMM_SELF);
+  row(
+      table, "two capsules", 1,
+      [&] {
+        if (one) one->coupler().step();
+      },
+      ceiling);
+  return table;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+const BenchRow* find(const BenchTable& table, std::string_view name, int ranks) {
+  for (const BenchRow& row : table.rows) {
+    if (row.name == name && row.ranks == ranks) return &row;
+  }
+  return nullptr;
+}
+
+std::filesystem::path speed_file() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') {
+    return std::filesystem::path(cache) / "ductile" / "bench.toml";
+  }
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') return {};
+  return std::filesystem::path(home) / ".cache" / "ductile" / "bench.toml";
+}
+
+// A home may be shared by several machines.
+std::string machine() {
+  std::array<char, 256> name{};
+  if (gethostname(name.data(), name.size() - 1) != 0) return "";
+  return name.data();
+}
+
+}  // namespace
+
+BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
+  const double bytes = 2.2 * populations * sizeof(double) * 6 * std::pow(options.nodes, 3);
+  const double memory =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (bytes > 0.9 * memory) {
+    throw InputError(fmt::format(
+        "--nodes {}: two fluids of {} x {} x {} nodes take {:.1f} GB, this machine has "
+        "{:.1f}: give fewer nodes",
+        options.nodes, options.nodes, options.nodes, 6 * options.nodes, bytes / 1e9, memory / 1e9));
+  }
+  BenchResult result;
+  result.nodes = {options.nodes, options.nodes, 6 * options.nodes};
+  MPI_Comm_size(comm, &result.ranks);
+  result.cores = static_cast<int>(std::thread::hardware_concurrency());
+  result.instruction_set = fluid::name(fluid::best_instruction_set());
+  const LatticeSetup setup = lattice_setup(pair(options.nodes, fluid::Storage::double_precision));
+  result.triangles = 20 * setup.bodies.front().frequency * setup.bodies.front().frequency;
+  Bench bench(options, comm);
+  for (const auto storage : {fluid::Storage::double_precision, fluid::Storage::single_precision}) {
+    result.tables.push_back(bench.run(storage));
+  }
+  return result;
+}
+
+std::string table(const BenchResult& result) {
+  std::string text = fmt::format(
+      "{} x {} x {} nodes, {} rank{} on {} core{}, fluid kernel for {}\n"
+      "speeds in million updates a second and their share of the ceiling: medians of {} repeats,\n"
+      "each next to one of the ceiling, which is the fluid's loads and stores without its "
+      "arithmetic\n",
+      result.nodes[0], result.nodes[1], result.nodes[2], result.ranks, result.ranks == 1 ? "" : "s",
+      result.cores, result.cores == 1 ? "" : "s", result.instruction_set,
+      result.tables.front().rows.front().updates.size());
+  for (const BenchTable& t : result.tables) {
+    const double bytes = 2 * populations * (t.single_precision ? 4 : 8);
+    const double ceiling = median(t.ceiling);
+    text += fmt::format("\n{:<34} {:>5} {:>8} {:>8}\n",
+                        t.single_precision ? "single precision" : "double precision", "ranks",
+                        "speed", "ceiling");
+    text += fmt::format("{:<34} {:>5} {:>8.1f} {:>8}   {:.1f} GB/s\n", "ceiling", result.ranks,
+                        ceiling / 1e6, "", ceiling * bytes / 1e9);
+    for (const BenchRow& row : t.rows) {
+      text += fmt::format("{:<34} {:>5} {:>8.1f} {:>7.1f}%", row.name, row.ranks,
+                          median(row.updates) / 1e6, 100 * median(row.fraction));
+      const BenchRow* all = find(t, row.name, result.ranks);
+      if (row.ranks != result.ranks && all != nullptr) {
+        text += fmt::format("   {} ranks are {:.2f} times as fast", result.ranks,
+                            median(all->fraction) / median(row.fraction));
+      } else if (row.name == "two capsules") {
+        text += fmt::format("   {:.1f}% of the fluid alone; of {} triangles each",
+                            100 * median(row.fraction) / median(t.rows.front().fraction),
+                            result.triangles);
+      }
+      text += '\n';
+    }
+  }
+  for (const BenchTable& t : result.tables) {
+    text += fmt::format("\nthe step with two capsules, {} precision:\n{}",
+                        t.single_precision ? "single" : "double", table(t.coupled));
+  }
+  return text;
+}
+
+std::string json(const BenchResult& result) {
+  Json json;
+  json.open('{');
+  json.open('[', "nodes");
+  for (const int n : result.nodes) json.add("", n);
+  json.close(']');
+  json.add("ranks", result.ranks);
+  json.add("cores", result.cores);
+  json.add("kernel", result.instruction_set);
+  json.add("triangles", result.triangles);
+  json.open('[', "tables");
+  for (const BenchTable& t : result.tables) {
+    json.open('{');
+    json.add("storage", t.single_precision ? "single" : "double");
+    json.add("ceiling", std::span<const double>(t.ceiling));
+    json.open('[', "rows");
+    for (const BenchRow& row : t.rows) {
+      json.open('{');
+      json.add("name", row.name);
+      json.add("ranks", row.ranks);
+      json.add("updates_per_second", std::span<const double>(row.updates));
+      json.add("fraction_of_ceiling", std::span<const double>(row.fraction));
+      json.add("median_fraction", median(row.fraction));
+      json.close('}');
+    }
+    json.close(']');
+    json.open('{', "two_capsules");
+    add_profile(json, t.coupled);
+    json.close('}');
+    json.close('}');
+  }
+  json.close(']');
+  json.close('}');
+  return json.text();
+}
+
+std::optional<std::string> keep_speed(const BenchResult& result) {
+  const std::filesystem::path file = speed_file();
+  if (file.empty()) return std::nullopt;
+  std::error_code error;
+  std::filesystem::create_directories(file.parent_path(), error);
+  // Whole or not at all.
+  const std::filesystem::path draft = file.string() + "." + std::to_string(getpid());
+  {
+    std::ofstream stream(draft);
+    stream << fmt::format("machine = {}\nranks = {}\n", drivers::quoted(machine()), result.ranks);
+    for (const BenchTable& t : result.tables) {
+      const BenchRow* row = find(t, "two capsules", result.ranks);
+      if (row == nullptr) return std::nullopt;
+      stream << fmt::format("{} = {:.6e}\n", t.single_precision ? "single" : "double",
+                            median(row->updates));
+    }
+    stream.close();
+    if (!stream) {
+      std::filesystem::remove(draft, error);
+      return std::nullopt;
+    }
+  }
+  std::filesystem::rename(draft, file, error);
+  if (error) {
+    std::filesystem::remove(draft, error);
+    return std::nullopt;
+  }
+  return file.string();
+}
+
+std::optional<KnownSpeed> known_speed() {
+  const std::filesystem::path file = speed_file();
+  std::error_code error;
+  if (file.empty() || !std::filesystem::is_regular_file(file, error)) return std::nullopt;
+  try {
+    const toml::table text = toml::parse_file(file.string());
+    if (text["machine"].value_or<std::string>("") != machine()) return std::nullopt;
+    const KnownSpeed speed{text["ranks"].value_or(0), text["double"].value_or(0.0),
+                           text["single"].value_or(0.0)};
+    if (speed.ranks < 1 || !(speed.double_precision > 0) || !(speed.single_precision > 0)) {
+      return std::nullopt;
+    }
+    return speed;
+  } catch (const toml::parse_error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace ductile::drivers

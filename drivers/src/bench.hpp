@@ -1,0 +1,69 @@
+// `ductile bench`: how fast this machine is, and how near the program comes to what its memory
+// allows.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "profile.hpp"
+
+namespace ductile::drivers {
+
+struct BenchOptions {
+  int nodes = 90;   ///< across the square channel, which is six times as long
+  int repeats = 9;  ///< of each measurement
+  bool json = false;
+};
+
+/// One thing timed, side by side with the ceiling: in turn, so that both meet the machine in the
+/// same state. The ceiling is the loads and stores of the fluid's step and nothing else, on all
+/// ranks.
+struct BenchRow {
+  std::string name;
+  int ranks = 1;
+  std::vector<double> updates;   ///< nodes a second, of each repeat
+  std::vector<double> fraction;  ///< of the ceiling, likewise
+};
+
+/// One storage of the populations.
+struct BenchTable {
+  bool single_precision = false;
+  std::vector<double> ceiling;  ///< updates a second on all ranks, of every repeat of every row
+  std::vector<BenchRow> rows;
+  RunProfile coupled;  ///< of the coupled step on all ranks
+};
+
+struct BenchResult {
+  std::array<int, 3> nodes{};
+  int ranks = 1;
+  int cores = 1;
+  std::string instruction_set;
+  int triangles = 0;  ///< of each of the two capsules
+  std::vector<BenchTable> tables;
+};
+
+/// Of 90 nodes and the usual repeats, under a minute. Collective; the result is rank 0's.
+/// Throws InputError, on every rank, if two such fluids exceed the machine's memory.
+BenchResult measure(const BenchOptions& options, MPI_Comm comm);
+
+std::string table(const BenchResult& result);
+std::string json(const BenchResult& result);
+
+/// Updates a second of a run with two capsules, by storage, and on how many ranks.
+struct KnownSpeed {
+  int ranks = 1;
+  double double_precision = 0;
+  double single_precision = 0;
+};
+
+/// Keeps the speed for known_speed(), in `ductile/bench.toml` under $XDG_CACHE_HOME or ~/.cache;
+/// gives the file's path, or nothing if it could not be written.
+std::optional<std::string> keep_speed(const BenchResult& result);
+/// What the last keep_speed() on this machine has kept; nothing if there is none that can be read.
+std::optional<KnownSpeed> known_speed();
+
+}  // namespace ductile::drivers
