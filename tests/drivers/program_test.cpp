@@ -1,6 +1,7 @@
 // The program as a user meets it: exit codes, what goes to which stream, and what is written.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -52,7 +53,8 @@ class Program : public testing::Test {
   [[nodiscard]] bool nothing_written() const { return fs::is_empty(work_); }
 
  private:
-  fs::path root_ = fs::path(testing::TempDir()) / "ductile_program_test";
+  fs::path root_ =
+      fs::path(testing::TempDir()) / ("ductile_program_test_" + std::to_string(getpid()));
   fs::path work_ = root_ / "work";
 };
 
@@ -72,6 +74,35 @@ TEST_F(Program, WrongInputEndsWithTwoOneLineAndNothingWritten) {
 }
 
 // A membrane far too stiff for the explicit scheme: what was computed stays, and is named.
+// A small bench on two ranks: the table, JSON that can be read, and what `check` makes of it.
+TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
+  const std::string launch =
+      "XDG_CACHE_HOME=cache mpirun --quiet --bind-to none --oversubscribe -n 2 ";
+  const Outcome first = run("check " + quickstart, "XDG_CACHE_HOME=cache ");
+  EXPECT_NE(first.output.find("a guess: run `ductile bench`"), std::string::npos) << first.output;
+  const Outcome table = run("bench --nodes 24 --repeats 1", launch);
+  EXPECT_EQ(table.exit_code, 0) << table.errors;
+  for (const char* part :
+       {"24 x 24 x 144 nodes, 2 ranks", "fluid kernel for", "double precision", "single precision",
+        "fluid, walls on nodes", "2 ranks are", "spreading"}) {
+    EXPECT_NE(table.output.find(part), std::string::npos) << part << " not in\n" << table.output;
+  }
+  const Outcome known = run("check " + quickstart, "XDG_CACHE_HOME=cache ");
+  EXPECT_NE(known.output.find("as `ductile bench` has found here"), std::string::npos)
+      << known.output;
+  const Outcome json = run("bench --nodes 24 --repeats 1 --json", launch);
+  EXPECT_EQ(json.exit_code, 0) << json.errors;
+  const fs::path file = work() / "bench.json";
+  std::ofstream(file) << json.output;
+  const std::string read =
+      "python3 -c \"import json; table = json.load(open('" + file.string() +
+      "'))['tables'][1]; assert len(table['rows'][0]['fraction_of_ceiling']) == 1\"";
+  EXPECT_EQ(std::system(read.c_str()), 0) << json.output;
+  const Outcome wrong = run("bench --nodes 3");
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.errors.find("24 to 400"), std::string::npos) << wrong.errors;
+}
+
 TEST_F(Program, BlowUpEndsWithThreeAndLeavesWhatWasComputed) {
   for (const std::string launch : {"", "mpirun --quiet --bind-to none --oversubscribe -n 2 "}) {
     const Outcome outcome = run("run " DUCTILE_SCENARIO_DIR
