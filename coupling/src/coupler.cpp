@@ -52,6 +52,7 @@ struct Route {
   std::size_t host = 0;
   int rank = 0;
   std::vector<int> markers;
+  std::vector<char> whole;  // whether that rank has all planes of the marker's stencil
   std::vector<double> buffer;
 };
 
@@ -103,7 +104,6 @@ class Coupler::Impl {
   Impl& operator=(const Impl&) = delete;
 
   void step();
-  std::uint64_t bytes_sent_ = 0;
   Stopwatch watch_;
 
  private:
@@ -118,6 +118,9 @@ class Coupler::Impl {
 
   std::optional<fluid::Box> stencil_box(const Host& host);
   void fail(const Host& host, int marker, const std::string& reason);
+  void sent(std::size_t bytes) {
+    if (ranks_ > 1) watch_.profile.bytes_sent += static_cast<std::int64_t>(bytes);
+  }
   [[nodiscard]] bool takes_part(int id, int round) const {
     return round < 0 || round < entries_[static_cast<std::size_t>(id)].corrections;
   }
@@ -196,7 +199,9 @@ void Coupler::Impl::step() {
     correct_forces(round);
     spread(round);
   }
+  const std::int64_t sent_before = fluid_.bytes_sent();
   fluid_.step();  // eqs. (2)-(4); the velocity at the step's start, half of the force in, is left
+  watch_.profile.bytes_sent += fluid_.bytes_sent() - sent_before;
   watch_.lap(Part::fluid);
   interpolate(-1);  // eq. (15)
   advance();
@@ -356,6 +361,7 @@ void Coupler::Impl::lay_out() {
   check(MPI_Allreduce(MPI_IN_PLACE, table.data(), static_cast<int>(table.size()), MPI_INT, MPI_MAX,
                       comm_),
         "MPI_Allreduce");
+  sent(table.size() * sizeof(int));
   for (std::size_t id = 0; id < entries_.size(); ++id) {
     const int* row = &table[id * entry_size];
     Entry& entry = entries_[id];
@@ -440,7 +446,7 @@ void Coupler::Impl::to_guests(int round,
     check(MPI_Isend(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
                     route.rank, host.id, comm_, &requests.emplace_back()),
           "MPI_Isend");
-    bytes_sent_ += sizeof(double) * route.buffer.size();
+    sent(route.buffer.size() * sizeof(double));
   }
   std::vector<MPI_Status> statuses(requests.size());
   check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), statuses.data()),
@@ -466,8 +472,11 @@ void Coupler::Impl::locate() {
     const Host& host = hosts_[route.host];
     const fluid::Range slab = fluid_.slab(route.rank);
     route.markers.clear();
+    route.whole.clear();
     for (std::size_t m = 0; m < host.planes.size(); ++m) {
-      if (touches(host.planes[m], 4, slab, period_)) route.markers.push_back(static_cast<int>(m));
+      if (!touches(host.planes[m], 4, slab, period_)) continue;
+      route.markers.push_back(static_cast<int>(m));
+      route.whole.push_back(within(host.planes[m], 4, slab, period_) ? 1 : 0);
     }
   }
   watch_.lap(Part::locating);
@@ -517,54 +526,58 @@ void Coupler::Impl::to_hosts(int round) {
   const auto sum = [](const double* p) { return ((p[0] + p[1]) + p[2]) + p[3]; };
   for (Guest& guest : guests_) {
     if (!takes_part(guest.id, round)) continue;
-    guest.buffer.clear();
+    if (guest.buffer.size() < guest.partial.size()) guest.buffer.resize(guest.partial.size());
+    double* end = guest.buffer.data();
     for (std::size_t m = 0; m < guest.stencils.size(); ++m) {
       const double* partial = &guest.partial[12 * m];
       if (within(guest.stencils[m].base[2], 4, fluid_.slab(), period_)) {
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          guest.buffer.push_back(sum(partial + 4 * axis));
+        for (std::size_t axis = 0; axis < 3; ++axis) *end++ = sum(partial + 4 * axis);
       } else {
-        guest.buffer.insert(guest.buffer.end(), partial, partial + 12);
+        end = std::copy_n(partial, 12, end);
       }
     }
     if (guest.owner == rank_) continue;
-    check(MPI_Isend(guest.buffer.data(), static_cast<int>(guest.buffer.size()), MPI_DOUBLE,
-                    guest.owner, guest.id, comm_, &requests.emplace_back()),
+    const auto count = static_cast<std::size_t>(end - guest.buffer.data());
+    check(MPI_Isend(guest.buffer.data(), static_cast<int>(count), MPI_DOUBLE, guest.owner, guest.id,
+                    comm_, &requests.emplace_back()),
           "MPI_Isend");
-    bytes_sent_ += sizeof(double) * guest.buffer.size();
+    sent(count * sizeof(double));
   }
   check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
         "MPI_Waitall");
 
-  for (Host& host : hosts_) {
-    if (takes_part(host.id, round)) std::fill(host.partial.begin(), host.partial.end(), 0.0);
-  }
-  for (const Route& route : routes_) {
-    Host& host = hosts_[route.host];
-    if (!takes_part(host.id, round)) continue;
-    const double* from = route.buffer.data();
-    if (route.rank == rank_) {
-      from = std::find_if(guests_.begin(), guests_.end(), [&](const Guest& guest) {
-               return guest.id == host.id;
-             })->buffer.data();
-    }
-    const fluid::Range slab = fluid_.slab(route.rank);
-    for (const int marker : route.markers) {
-      const auto m = static_cast<std::size_t>(marker);
-      double* to = &host.partial[12 * m];
-      if (within(host.planes[m], 4, slab, period_)) {
-        for (std::size_t axis = 0; axis < 3; ++axis) to[4 * axis] = *from++;
-      } else {
-        for (std::size_t n = 0; n < 12; ++n) to[n] += *from++;
+  // Calls f(host, marker, whole, answer) for all answers.
+  const auto for_answers = [&](auto&& f) {
+    for (const Route& route : routes_) {
+      Host& host = hosts_[route.host];
+      if (!takes_part(host.id, round)) continue;
+      const double* answer = route.buffer.data();
+      if (route.rank == rank_) {
+        answer = std::find_if(guests_.begin(), guests_.end(), [&](const Guest& guest) {
+                   return guest.id == host.id;
+                 })->buffer.data();
+      }
+      for (std::size_t n = 0; n < route.markers.size(); ++n) {
+        const bool whole = route.whole[n] != 0;
+        f(host, static_cast<std::size_t>(route.markers[n]), whole, answer);
+        answer += whole ? 3 : 12;
       }
     }
-  }
-  for (Host& host : hosts_) {
-    if (!takes_part(host.id, round)) continue;
-    for (std::size_t n = 0; n < host.velocity.size(); ++n) {
-      host.velocity[n] = sum(&host.partial[4 * n]);
+  };
+  for_answers([](Host& host, std::size_t m, bool whole, const double* answer) {
+    if (whole) {
+      std::copy_n(answer, 3, &host.velocity[3 * m]);
+    } else {
+      std::fill_n(&host.partial[12 * m], 12, 0.0);
     }
-  }
+  });
+  for_answers([](Host& host, std::size_t m, bool whole, const double* answer) {
+    for (std::size_t n = 0; !whole && n < 12; ++n) host.partial[12 * m + n] += answer[n];
+  });
+  for_answers([&sum](Host& host, std::size_t m, bool whole, const double* /*answer*/) {
+    for (std::size_t axis = 0; !whole && axis < 3; ++axis)
+      host.velocity[3 * m + axis] = sum(&host.partial[12 * m + 4 * axis]);
+  });
   watch_.lap(Part::exchange);
 }
 
@@ -575,6 +588,7 @@ void Coupler::Impl::agree() {
   constexpr int failed = 2;
   int state = failed_ != INT_MAX ? failed : (moved_out_ ? moved_out : fine);
   check(MPI_Allreduce(MPI_IN_PLACE, &state, 1, MPI_INT, MPI_MAX, comm_), "MPI_Allreduce");
+  sent(sizeof state);
   watch_.lap(Part::waiting);
   moved_out_ = state == moved_out;
   if (state != failed) return;
@@ -600,9 +614,6 @@ Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)
 Coupler::~Coupler() = default;
 void Coupler::step() {
   impl_->step();
-}
-std::uint64_t Coupler::bytes_sent() const {
-  return impl_->bytes_sent_;
 }
 const Profile& Coupler::profile() const {
   return impl_->watch_.profile;

@@ -57,10 +57,17 @@ std::optional<RunProfile> gathered(const coupling::Profile& own, double whole, M
   mine.back() = whole - own.total();
   RunProfile profile;
   profile.steps = own.steps;
-  if (rank == 0) profile.ranks.resize(static_cast<std::size_t>(ranks));
+  const double bytes =
+      own.steps > 0 ? static_cast<double>(own.bytes_sent) / static_cast<double>(own.steps) : 0;
+  if (rank == 0) {
+    profile.ranks.resize(static_cast<std::size_t>(ranks));
+    profile.bytes_sent.resize(static_cast<std::size_t>(ranks));
+  }
   constexpr int count = static_cast<int>(RunProfile::parts);
   if (MPI_Gather(mine.data(), count, MPI_DOUBLE, profile.ranks.data(), count, MPI_DOUBLE, 0,
-                 comm) != MPI_SUCCESS) {
+                 comm) != MPI_SUCCESS ||
+      MPI_Gather(&bytes, 1, MPI_DOUBLE, profile.bytes_sent.data(), 1, MPI_DOUBLE, 0, comm) !=
+          MPI_SUCCESS) {
     throw std::runtime_error("MPI: MPI_Gather failed");
   }
   return rank == 0 ? std::optional(std::move(profile)) : std::nullopt;
@@ -98,7 +105,13 @@ std::string table(const RunProfile& profile) {
     for (const RunProfile::Rank& rank : profile.ranks) seconds.push_back(rank[part]);
     text += row(names[part], seconds, whole, steps);
   }
-  return text + row("whole run", whole, whole, steps);
+  text += row("whole run", whole, whole, steps);
+  if (count > 1) {
+    const auto [least, most] =
+        std::minmax_element(profile.bytes_sent.begin(), profile.bytes_sent.end());
+    text += fmt::format("each rank sends {:.1f} to {:.1f} kB a step\n", *least / 1e3, *most / 1e3);
+  }
+  return text;
 }
 
 void add_profile(Json& json, const RunProfile& profile) {
@@ -111,6 +124,7 @@ void add_profile(Json& json, const RunProfile& profile) {
     json.add(names[part], std::span<const double>(seconds));
   }
   json.close('}');
+  json.add("bytes_sent_a_step_by_rank", std::span<const double>(profile.bytes_sent));
 }
 
 }  // namespace ductile::drivers

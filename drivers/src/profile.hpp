@@ -26,6 +26,7 @@ struct RunProfile {
 
   std::int64_t steps = 0;
   std::vector<Rank> ranks;
+  std::vector<double> bytes_sent;  ///< to other ranks in a step, by every rank
 
   /// Of all ranks: in `part`, and in the time step as a whole (all parts but the output).
   [[nodiscard]] double largest(coupling::Part part) const;

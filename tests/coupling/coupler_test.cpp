@@ -43,7 +43,7 @@ TEST(Coupler, TracersMoveWithTheFluidRoundThePeriodicEnd) {
     EXPECT_NEAR(tracers.x[n], start[n] + steps * u[static_cast<Eigen::Index>(n % 3)], 1e-10);
   }
   EXPECT_EQ(fluid.time(), steps);
-  EXPECT_EQ(coupler.bytes_sent(), 0U);
+  EXPECT_EQ(coupler.profile().bytes_sent, 0);
 }
 
 // The convention of the half force: the velocity that a marker moves with holds half of the force

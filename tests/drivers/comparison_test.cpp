@@ -74,7 +74,9 @@ TEST(Comparison, InterpolatesLinearly) {
 
 RunProfile profile() {
   // fluid, boxes, locating, interpolation, bodies, spreading, exchange, waiting, output
-  return {1000, {{4, 0.5, 0.25, 1, 2, 0.5, 0.25, 0.5, 7}, {4.5, 0.5, 0.25, 0.5, 1, 1, 0.25, 1, 7}}};
+  return {1000,
+          {{4, 0.5, 0.25, 1, 2, 0.5, 0.25, 0.5, 7}, {4.5, 0.5, 0.25, 0.5, 1, 1, 0.25, 1, 7}},
+          {26000, 25500}};
 }
 
 TEST(Comparison, CostOfAStepIsThatOfTheSlowestRankInEachPart) {
@@ -91,7 +93,7 @@ TEST(Comparison, CostOfAStepIsThatOfTheSlowestRankInEachPart) {
   apart.ranks[1] = {};
   apart.ranks[1][0] = 9;  // parts of different ranks, 12.5 in all, while the step takes 9
   EXPECT_DOUBLE_EQ(step_cost(apart)->rest, 0);
-  EXPECT_FALSE(step_cost({0, {{}}}).has_value());
+  EXPECT_FALSE(step_cost({0, {{}}, {}}).has_value());
 }
 
 /// A pair that comes through, and one that blows up.
@@ -211,6 +213,7 @@ TEST(ProfileTable, ShowsEveryRankOfFewAndTheSpreadOfMany) {
   EXPECT_EQ(line(few, "fluid"), "4.00 25.0% 4.50 28.1% 4.00 4.25 4.50 4.5000");
   EXPECT_EQ(line(few, "output"), "7.00 43.8% 7.00 43.8% 7.00 7.00 7.00 7.0000");
   EXPECT_EQ(line(few, "whole run"), "16.00 100.0% 16.00 100.0% 16.00 16.00 16.00 16.0000");
+  EXPECT_NE(few.find("each rank sends 25.5 to 26.0 kB a step"), std::string::npos) << few;
 
   RunProfile one = profile();
   one.ranks.pop_back();

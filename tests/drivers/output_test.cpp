@@ -463,7 +463,8 @@ class SummaryFile : public Output {
     s.wall_time = 61.5;
     s.updates_per_second = 6.02e7;
     s.ranks = 2;
-    s.profile = RunProfile{400, {{1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.1, 0, 0, 0, 0, 0, 0, 0, 1e-9}}};
+    s.profile =
+        RunProfile{400, {{1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.1, 0, 0, 0, 0, 0, 0, 0, 1e-9}}, {1500, 0}};
     s.versions = {{"ductile", "0.1.0"}, {"PETSc", "3.18.5"}};
     return s;
   }
@@ -498,6 +499,7 @@ assert s['profile']['steps'] == 400
 assert list(seconds) == ['fluid', 'boxes', 'locating', 'interpolation', 'bodies', 'spreading',
                          'exchange', 'waiting', 'output']
 assert seconds['fluid'] == [1, 0.1] and seconds['output'] == [9, 1e-9]
+assert s['profile']['bytes_sent_a_step_by_rank'] == [1500, 0]
 assert s['warnings'] == ['strain energy of lag has not settled']
 assert (s['wall_time_s'], s['updates_per_second'], s['ranks']) == (61.5, 6.02e7, 2)
 assert s['versions'] == {'ductile': '0.1.0', 'PETSc': '3.18.5'}

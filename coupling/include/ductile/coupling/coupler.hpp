@@ -57,11 +57,9 @@ class Coupler {
   /// body fails, or has a marker whose stencil leaves the fluid or wraps round x or y.
   void step();
 
-  /// Bytes that this rank has sent to others so far.
-  [[nodiscard]] std::uint64_t bytes_sent() const;
-
-  /// Where this rank's time has gone since construction, or since reset_profile(). Always kept: a
-  /// step reads the clock some twenty times. A step that throws counts until then.
+  /// Where this rank's time has gone, and how many bytes it has sent in steps, since construction
+  /// or since reset_profile(). Always kept: a step reads the clock some twenty times. A step that
+  /// throws counts until then.
   [[nodiscard]] const Profile& profile() const;
   void reset_profile();
 

@@ -23,10 +23,12 @@ enum class Part : std::size_t {
 constexpr std::array<std::string_view, 8> part_names = {
     "fluid", "boxes", "locating", "interpolation", "bodies", "spreading", "exchange", "waiting"};
 
-/// Time by part, on one rank.
+/// Time by part, on one rank, and what it has sent.
 struct Profile {
   std::int64_t steps = 0;                           ///< completed
   std::array<double, part_names.size()> seconds{};  ///< by std::chrono::steady_clock
+  /// To other ranks: the fluid's populations, markers, boxes, and what ranks agree upon.
+  std::int64_t bytes_sent = 0;
 
   [[nodiscard]] double operator[](Part part) const {
     return seconds[static_cast<std::size_t>(part)];
