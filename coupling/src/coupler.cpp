@@ -348,6 +348,7 @@ void Coupler::Impl::lay_out() {
           box[axis].end = std::min(box[axis].end, domain[axis].end);
         }
       }
+      box = fluid_.with_image(box);
     }
     int* row = &table[static_cast<std::size_t>(host.id) * entry_size];
     row[0] = rank_;

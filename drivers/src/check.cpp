@@ -9,6 +9,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
+#include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -117,8 +120,7 @@ double nearest_image(const Surface& a, const Surface& b, const Scenario& scenari
 
 std::string wall_name(const Scenario& scenario, const LatticeSetup& setup, const Gap& gap) {
   const int axis = static_cast<int>(gap.other);
-  const double side =
-      setup.bodies[gap.body].centre[axis] < (setup.nodes[gap.other] - 1) / 2.0 ? -1 : 1;
+  const double side = setup.bodies[gap.body].centre[axis] < setup.origin()[axis] ? -1 : 1;
   return axis == 0 ? fmt::format("the wall at x = {}", side)
                    : fmt::format("the wall at y = {}", side * scenario.channel.half_width_y);
 }
@@ -162,7 +164,7 @@ std::vector<Gap> gaps(const Scenario& scenario, const LatticeSetup& setup) {
         result.push_back({Gap::To::image, i, i, setup.nodes[axis] - (high - low)});
         continue;
       }
-      const double middle = (setup.nodes[axis] - 1) / 2.0;
+      const double middle = setup.origin()[static_cast<int>(axis)];
       const double distance = half_widths[axis] - std::max(high - middle, middle - low);
       result.push_back({Gap::To::wall, i, axis, distance});
     }
@@ -200,7 +202,7 @@ void check_geometry(const Scenario& scenario, const LatticeSetup& setup) {
   }
   for (std::size_t i = 0; !scenario.channel.side_walls && i < scenario.bodies.size(); ++i) {
     const auto [low, high] = Surface(scenario.bodies[i], setup.bodies[i]).extent(1);
-    const double middle = (setup.nodes[1] - 1) / 2.0;
+    const double middle = setup.origin().y();
     if (setup.half_width_y - std::max(high - middle, middle - low) >= wall_gap - round_off)
       continue;
     throw ScenarioError("body." + scenario.bodies[i].name + ".y",
@@ -243,6 +245,63 @@ void check_geometry(const Scenario& scenario, const LatticeSetup& setup) {
                     "least {} needed: raise channel.nodes to {} or move the body",
                     name(scenario, gap.body), across, gap.distance, least,
                     nodes_for_gap(scenario, setup, gap.distance, least)));
+  }
+}
+
+namespace {
+
+/// Of each vertex of a mesh its mirror image about y = 0; nothing if one has none.
+std::optional<std::vector<int>> mirror_images(const membrane::Mesh& mesh) {
+  const auto& x = mesh.vertices;
+  std::vector<int> by_x(x.size());
+  std::iota(by_x.begin(), by_x.end(), 0);
+  const auto x_of = [&x](int v) { return x[static_cast<std::size_t>(v)].x(); };
+  std::ranges::sort(by_x, {}, x_of);
+  std::vector<int> images;
+  for (const Eigen::Vector3d& vertex : x) {
+    const Eigen::Vector3d image(vertex.x(), -vertex.y(), vertex.z());
+    auto other = std::ranges::lower_bound(by_x, image.x() - round_off, {}, x_of);
+    while (other != by_x.end() && x_of(*other) <= image.x() + round_off &&
+           (x[static_cast<std::size_t>(*other)] - image).norm() > round_off)
+      ++other;
+    if (other == by_x.end() || x_of(*other) > image.x() + round_off) return std::nullopt;
+    images.push_back(*other);
+  }
+  return images;
+}
+
+/// Whether a mesh of about unit size is its own mirror image about y = 0.
+bool is_symmetric(const membrane::Mesh& mesh) {
+  const auto images = mirror_images(mesh);
+  if (!images) return false;
+  const auto sorted = [](std::array<int, 3> triangle) {
+    std::ranges::sort(triangle);
+    return triangle;
+  };
+  std::set<std::array<int, 3>> triangles;
+  for (const auto& triangle : mesh.triangles) triangles.insert(sorted(triangle));
+  return std::ranges::all_of(mesh.triangles, [&](std::array<int, 3> triangle) {
+    for (int& vertex : triangle) vertex = (*images)[static_cast<std::size_t>(vertex)];
+    return triangles.contains(sorted(triangle));
+  });
+}
+
+}  // namespace
+
+void check_symmetry(const Scenario& scenario, const LatticeSetup& setup) {
+  if (scenario.channel.symmetry == Symmetry::none) return;
+  for (std::size_t i = 0; i < scenario.bodies.size(); ++i) {
+    const BodySetup& body = setup.bodies[i];
+    membrane::Mesh mesh = scenario.bodies[i].shape == BodyShape::biconcave
+                              ? membrane::biconcave(body.frequency, 1)
+                              : membrane::icosphere(body.frequency, 1);
+    membrane::place(mesh, body.rotation, Eigen::Vector3d::Zero());
+    if (is_symmetric(mesh)) continue;
+    throw ScenarioError(
+        "body." + scenario.bodies[i].name + ".rotation_axis",
+        fmt::format("turns the mesh of {} so that it is not its own mirror image about y = 0 to "
+                    "{:g} radii: use [0, 1, 0], or set channel.symmetry = \"none\"",
+                    name(scenario, i), round_off));
   }
 }
 
@@ -417,8 +476,9 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
   line("scenario", fmt::format("{}, {} {}", scenario.name, scenario.bodies.size(),
                                scenario.bodies.size() == 1 ? "body" : "bodies"));
   line("lattice",
-       fmt::format("{} x {} x {} = {} nodes, {}, W = {} dx", setup.nodes[0], setup.nodes[1],
+       fmt::format("{} x {} x {} = {} nodes{}, {}, W = {} dx", setup.nodes[0], setup.nodes[1],
                    setup.nodes[2], setup.node_count(),
+                   channel.symmetry == Symmetry::y ? " at y >= 0, half of the channel" : "",
                    channel.walls == fluid::Boundary::halfway ? "half-way walls"
                                                              : "regularized walls on nodes",
                    setup.half_width));

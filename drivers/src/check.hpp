@@ -33,6 +33,9 @@ std::vector<Gap> gaps(const Scenario& scenario, const LatticeSetup& setup);
 /// between bodies.
 void check_geometry(const Scenario& scenario, const LatticeSetup& setup);
 
+/// Throws ScenarioError if the channel is said to be symmetric and the mesh of a body is not.
+void check_symmetry(const Scenario& scenario, const LatticeSetup& setup);
+
 /// What a user should know before trusting the run, one line each. Predicts the stability of
 /// capsules with an explicit integrator (stability.hpp), which takes a moment.
 std::vector<std::string> warnings(const Scenario& scenario, const LatticeSetup& setup);

@@ -249,6 +249,10 @@ const std::vector<Key<ChannelOptions>>& channel_keys() {
           "regularized method, as in the paper (2W = N - 1)"),
       flag("side_walls", &C::side_walls,
            "Walls at y = -half_width_y and half_width_y; false: periodic, a flow between plates"),
+      choice<C, Symmetry>(
+          "symmetry", &C::symmetry, {{"none", Symmetry::none}, {"y", Symmetry::y}},
+          "Symmetry of flow and bodies about the plane y = 0: if \"y\", only the fluid at y >= 0 "
+          "is computed"),
       number("half_width_y", &C::half_width_y, between(0.25, 20), "W",
              "Half-width along y, rounded to whole nodes; 1 is the square channel"),
       number("length", &C::length, between(1, 1000), "W",

@@ -450,6 +450,17 @@ class Reader {
                           "must be \"rest\" where walls move and there are side walls, since no "
                           "developed flow is known for it (or set channel.side_walls = false)");
     }
+    const bool symmetric = s.channel.symmetry == Symmetry::y;
+    if (symmetric && !s.channel.side_walls) {
+      throw ScenarioError(
+          "channel.symmetry",
+          "must be \"none\" where channel.side_walls = false: the plane of symmetry "
+          "needs a wall to face");
+    }
+    if (symmetric && s.channel.gravity[1] != 0) {
+      throw ScenarioError("channel.gravity",
+                          "must be 0 along y where channel.symmetry = \"y\": set that to \"none\"");
+    }
     if (s.run.stop_distance > s.channel.length) {
       throw ScenarioError("run.stop_distance",
                           fmt::format("must be at most channel.length = {}: further away is nearer "
@@ -462,6 +473,12 @@ class Reader {
         throw ScenarioError(path + "shape", "rigid bodies are spheres: remove it");
       if (body.rotation_axis == std::array<double, 3>{0, 0, 0})
         throw ScenarioError(path + "rotation_axis", "must not be zero");
+      if (symmetric && body.y != 0) {
+        throw ScenarioError(
+            path + "y",
+            "must be 0 where channel.symmetry = \"y\": put the body on the plane of "
+            "symmetry, or set channel.symmetry = \"none\"");
+      }
       if (std::abs(body.z) > s.channel.length / 2) {
         throw ScenarioError(path + "z",
                             fmt::format("must be from {} to {}: half of channel.length either way",
@@ -507,7 +524,9 @@ Scenario parse_scenario(std::string_view text, const std::string& file,
   for (const Override& override : overrides) document.apply(override);
   try {
     Scenario scenario = Reader(document).read(file);
-    check_geometry(scenario, lattice_setup(scenario));
+    const LatticeSetup setup = lattice_setup(scenario);
+    check_geometry(scenario, setup);
+    check_symmetry(scenario, setup);
     return scenario;
   } catch (const ScenarioError& error) {
     document.fail(error);

@@ -17,6 +17,7 @@
 namespace ductile::drivers {
 
 enum class Start { developed, rest };
+enum class Symmetry { none, y };
 enum class BodyKind { capsule, rigid };
 enum class BodyShape { sphere, biconcave };
 
@@ -25,6 +26,7 @@ struct ChannelOptions {
   int nodes = 36;
   fluid::Boundary walls = fluid::Boundary::halfway;
   bool side_walls = true;
+  Symmetry symmetry = Symmetry::none;
   double half_width_y = 1;
   double length = 12;
   double reynolds = 10;

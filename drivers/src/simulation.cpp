@@ -564,6 +564,7 @@ fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI
   options.boundary = {scenario.channel.walls,
                       plates ? fluid::Boundary::periodic : scenario.channel.walls,
                       fluid::Boundary::periodic};
+  options.mirror = setup.mirror;
   options.wall_velocity[0] = {Eigen::Vector3d(0, 0, setup.wall_velocity[0]),
                               Eigen::Vector3d(0, 0, setup.wall_velocity[1])};
   options.tau = setup.tau;
@@ -576,7 +577,7 @@ fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI
 
   const double w = setup.half_width;
   const fluid::DuctFlow duct({w, setup.half_width_y}, setup.alpha, setup.nu);
-  const Eigen::Vector3d axis = 0.5 * Eigen::Vector3d(setup.nodes[0] - 1, setup.nodes[1] - 1, 0);
+  const Eigen::Vector3d axis = setup.origin();
   // The same for a whole column of nodes, which initialise() visits one after the other.
   std::array<int, 2> column = {-1, -1};
   fluid::NodeState state;

@@ -26,7 +26,8 @@ struct SurfaceState {
   std::span<const double> force;     ///< on the fluid [rho nu^2]; empty: none
 };
 
-/// The regular lattice that fluid fields live on.
+/// The regular lattice that fluid fields live on; of a channel symmetric about y = 0 its upper
+/// half.
 struct FluidLattice {
   std::array<std::size_t, 3> nodes = {0, 0, 0};      ///< along x, y, z
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of node (0, 0, 0) [W]

@@ -66,6 +66,10 @@ LatticeSetup lattice_setup(const Scenario& scenario) {
   const int width_y = static_cast<int>(std::lround(2 * W * channel.half_width_y));
   const int nz = static_cast<int>(std::lround(channel.length * W));
   s.nodes = {channel.nodes, width_y + (on_nodes ? 1 : 0), nz};
+  if (channel.symmetry == Symmetry::y) {
+    s.mirror = s.nodes[1] % 2 == 0 ? fluid::Mirror::between_nodes : fluid::Mirror::on_node;
+    s.nodes[1] = (s.nodes[1] + 1) / 2;
+  }
   s.half_width_y = width_y / 2.0;
   s.length = nz;
   s.tau = scenario.fluid.tau;
@@ -105,14 +109,19 @@ std::int64_t LatticeSetup::steps(double interval) const {
   return interval > 0 ? std::max<std::int64_t>(1, std::llround(interval * steps_per_time)) : 0;
 }
 
+Eigen::Vector3d LatticeSetup::origin() const {
+  double y = (nodes[1] - 1) / 2.0;
+  if (mirror == fluid::Mirror::between_nodes) y = -0.5;
+  if (mirror == fluid::Mirror::on_node) y = 0;
+  return {(nodes[0] - 1) / 2.0, y, nodes[2] / 2.0};
+}
+
 Eigen::Vector3d LatticeSetup::to_lattice(const Eigen::Vector3d& position) const {
-  return position * half_width +
-         Eigen::Vector3d((nodes[0] - 1) / 2.0, (nodes[1] - 1) / 2.0, nodes[2] / 2.0);
+  return position * half_width + origin();
 }
 
 Eigen::Vector3d LatticeSetup::position(const Eigen::Vector3d& lattice) const {
-  return (lattice - Eigen::Vector3d((nodes[0] - 1) / 2.0, (nodes[1] - 1) / 2.0, nodes[2] / 2.0)) /
-         half_width;
+  return (lattice - origin()) / half_width;
 }
 
 }  // namespace ductile::drivers

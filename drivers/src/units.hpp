@@ -25,11 +25,15 @@ struct BodySetup {
 /// Node (i, j, k) sits at (i, j, k). The channel's axis is at x = (nx - 1)/2, y = (ny - 1)/2; the
 /// scenario's z = 0 is at nz/2. Half-way walls lie at -1/2 and N - 1/2, so that 2W = N; regularized
 /// ones on nodes 0 and N - 1, so that 2W = N - 1.
+///
+/// Of a channel symmetric about y = 0 the nodes at y >= 0 are kept, and counted from there: the
+/// axis is at y = -1/2 or 0, as the whole channel has an even or an odd number of nodes along y.
 struct LatticeSetup {
   std::array<int, 3> nodes{};  ///< nx, ny, nz
-  double half_width = 0;       ///< W
-  double half_width_y = 0;     ///< in lattice spacings, as the whole nodes make it
-  double length = 0;           ///< nz
+  fluid::Mirror mirror = fluid::Mirror::none;
+  double half_width = 0;    ///< W
+  double half_width_y = 0;  ///< in lattice spacings, as the whole nodes make it
+  double length = 0;        ///< nz
   double tau = 0;
   double nu = 0;                          ///< (tau - 1/2)/3
   double u_max = 0;                       ///< of the empty channel: Re = 2 W U_max/nu
@@ -41,6 +45,8 @@ struct LatticeSetup {
   std::vector<BodySetup> bodies;  ///< in the order of Scenario::bodies
 
   [[nodiscard]] std::int64_t node_count() const;
+  /// Where the scenario's origin is.
+  [[nodiscard]] Eigen::Vector3d origin() const;
   /// Largest imposed velocity over the speed of sound 1/sqrt(3).
   [[nodiscard]] double mach() const;
   /// Time in W^2/nu after so many steps.

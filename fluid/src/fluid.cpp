@@ -41,6 +41,20 @@ Options validated(MPI_Comm comm, Options options) {
       }
     }
   }
+  if (options.mirror != Mirror::none) {
+    if (options.boundary[1] == Boundary::periodic) {
+      reject("a mirror plane across y needs a wall at the other end of y");
+    }
+    if (!options.wall_velocity[1][0].isZero(0)) {
+      reject("a mirror plane has no velocity: leave wall_velocity[1][0] zero");
+    }
+    for (const auto& walls : options.wall_velocity) {
+      for (const Eigen::Vector3d& u : walls) {
+        if (u.y() != 0) reject("walls that move along y are not symmetric about a mirror plane");
+      }
+    }
+    if (options.force.y() != 0) reject("a force along y is not symmetric about a mirror plane");
+  }
   if (options.nodes[2] < ranks) {
     reject(std::to_string(options.nodes[2]) + " planes cannot be shared by " +
            std::to_string(ranks) + " ranks; use fewer ranks");
@@ -90,6 +104,14 @@ Box FluidImpl::domain() const {
     const int wall = options_.boundary[axis] == Boundary::regularized ? 1 : 0;
     box[axis] = {wall, options_.nodes[axis] - wall};
   }
+  if (options_.mirror != Mirror::none) box[1].begin = image(box[1].end - 1);
+  return box;
+}
+
+Box FluidImpl::with_image(Box box) const {
+  if (options_.mirror != Mirror::none && box[1].begin < 0) {
+    box[1].end = std::max(box[1].end, image(box[1].begin) + 1);
+  }
   return box;
 }
 
@@ -108,6 +130,10 @@ void FluidImpl::place_boxes(std::span<const Box> boxes) {
                std::to_string(box[axis].end) + " along " + std::string(1, "xyz"[axis]) +
                " is not inside the fluid");
       }
+    }
+    if (with_image(box)[1].end != box[1].end) {
+      reject("box of nodes " + std::to_string(box[1].begin) + " to " + std::to_string(box[1].end) +
+             " along y does not hold the image of its nodes below the mirror plane");
     }
     // Periodic images of the slab that the box may meet.
     const int first = static_cast<int>(std::floor(static_cast<double>(box[2].begin) / nz));
@@ -139,7 +165,7 @@ void FluidImpl::list_met() {
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     const Patch& patch = patches_[p];
     for (int i = 0; i < patch.size[0]; ++i) {
-      for (int j = 0; j < patch.size[1]; ++j) {
+      for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
         met[column(patch.begin[0] + i, patch.begin[1] + j)].push_back(p);
       }
     }
@@ -177,7 +203,40 @@ Totals FluidImpl::totals() {
   return totals;
 }
 
+// Below a mirror plane force is not used. On one on nodes, what a body gives from both sides
+// cancels along y, but for round-off.
+void FluidImpl::drop_image_force() {
+  if (options_.mirror == Mirror::none) return;
+  for (Patch& patch : patches_) {
+    for (int i = 0; i < patch.size[0]; ++i) {
+      for (int y = patch.begin[1]; y <= std::min(0, image(0)); ++y) {
+        const auto first = static_cast<std::size_t>(patch.at(i, y - patch.begin[1], -Patch::pad));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (y < 0 || axis == 1) std::fill_n(&patch.force[axis][first], patch.pitch, 0.0);
+        }
+      }
+    }
+  }
+}
+
+void FluidImpl::fill_image(const Patch& patch, std::vector<double>& values, double sign) const {
+  for (int i = 0; i < patch.size[0]; ++i) {
+    for (int y = patch.begin[1]; y < 0; ++y) {
+      const double* from = values.data() + patch.at(i, image(y) - patch.begin[1], 0);
+      double* to = values.data() + patch.at(i, y - patch.begin[1], 0);
+      for (int k = 0; k < patch.size[2]; ++k) to[k] = sign * from[k];
+    }
+  }
+}
+
+void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    fill_image(patch, vectors[axis], axis == 1 ? -1 : 1);
+  }
+}
+
 void FluidImpl::update_velocity() {
+  drop_image_force();
   for (Patch& patch : patches_) {
     const int rows = patch.size[0] * patch.size[1];
     for (int r = 0; r < rows; ++r) {
@@ -193,8 +252,10 @@ void FluidImpl::update_velocity() {
         }
       }
     }
+    fill_image(patch, patch.velocity);
   }
 }
+
 Fluid::Fluid(MPI_Comm comm, const Options& options)
     : impl_(make_populations(comm, validated(comm, options))) {
   initialise([](int, int, int) { return NodeState{}; });
@@ -220,6 +281,9 @@ Range Fluid::slab(int rank) const {
 }
 Box Fluid::domain() const {
   return impl_->domain();
+}
+Box Fluid::with_image(Box box) const {
+  return impl_->with_image(box);
 }
 std::int64_t Fluid::time() const {
   return impl_->time_;

@@ -45,11 +45,22 @@ class FluidImpl {
   void update_velocity();
   Totals totals();
   [[nodiscard]] Box domain() const;
+  [[nodiscard]] Box with_image(Box box) const;
+  /// The node of which node y is the image in the mirror plane, and the other way round.
+  [[nodiscard]] int image(int y) const {
+    return options_.mirror == Mirror::between_nodes ? -1 - y : -y;
+  }
   [[nodiscard]] bool odd() const { return time_ % 2 != 0; }
   [[nodiscard]] std::size_t column(int x, int y) const {
     return static_cast<std::size_t>(x) * static_cast<std::size_t>(options_.nodes[1]) +
            static_cast<std::size_t>(y);
   }
+
+  /// Takes from the patches' force what a mirror plane leaves without effect.
+  void drop_image_force();
+  /// Values of a patch below a mirror plane become the images of those above.
+  void fill_image(const Patch& patch, std::vector<double>& values, double sign) const;
+  void fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const;
 
   Options options_;
   MPI_Comm comm_ = MPI_COMM_NULL;

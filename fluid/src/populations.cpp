@@ -115,11 +115,14 @@ std::vector<std::size_t> Populations<Real>::number_slots() {
     for (; x < part_ends_.back(); ++x) {
       for (int y = 0; y < ny_; ++y) {
         for (std::size_t s = 0; s < shifts.size(); ++s) {
+          int i = entering[0][s];
           int from_x = x;
           int from_y = y;
-          if (!slab_of_.move(from_x, from_y, -shifts[s][0], -shifts[s][1])) continue;
+          if (!slab_of_.trace(i, from_x, from_y)) continue;
+          const auto there = std::find(entering[0].begin(), entering[0].end(), i);
           slots_[1][column(x, y)][s] = count;
-          slots_[0][column(from_x, from_y)][s] = count;
+          slots_[0][column(from_x, from_y)][static_cast<std::size_t>(there - entering[0].begin())] =
+              count;
           ++count;
         }
       }
@@ -209,6 +212,7 @@ void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
 // them. The row's own ends are laid one row ahead.
 template <class Real>
 void Populations<Real>::step() {
+  drop_image_force();
   halo_.begin_step();
   const bool around = options_.boundary[0] == Boundary::periodic;
   const int parts = halo_.parts();
@@ -236,6 +240,7 @@ void Populations<Real>::step() {
   for (; sent < parts; ++sent) halo_.send(sent);
   if (around) halo_.send(0);
   drive_moving_walls();
+  for (Patch& patch : patches_) fill_image(patch, patch.velocity);
   halo_.end_step();
   ++time_;
 }
@@ -264,7 +269,10 @@ void Populations<Real>::drive_wall(int x, int y, int begin, int end, std::size_t
     const std::array<int, 3> origin = {x - v[0], y - v[1], 0};
     bool mine = true;
     for (std::size_t first = 0; first < std::min<std::size_t>(axis, 2); ++first) {
-      const bool outside = origin[first] < 0 || origin[first] >= options_.nodes[first];
+      const bool through_mirror =
+          first == 1 && options_.mirror != Mirror::none && origin[first] < 0;
+      const bool outside =
+          !through_mirror && (origin[first] < 0 || origin[first] >= options_.nodes[first]);
       if (outside && options_.boundary[first] == Boundary::halfway) mine = false;
     }
     if (!mine) continue;
@@ -338,7 +346,7 @@ void Populations<Real>::read_velocity() {
   for (Patch& patch : patches_) {
     const int begin = patch.begin[2] - slab_.begin;
     for (int i = 0; i < patch.size[0]; ++i) {
-      for (int j = 0; j < patch.size[1]; ++j) {
+      for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
         const auto first = static_cast<std::size_t>(patch.at(i, j, 0));
         const auto count = static_cast<std::size_t>(patch.size[2]);
         kernel_.moments(complete_row(patch.begin[0] + i, patch.begin[1] + j), begin,
@@ -353,6 +361,8 @@ void Populations<Real>::read_velocity() {
         }
       }
     }
+    fill_image(patch, patch.density, 1);
+    fill_image(patch, patch.momentum);
   }
 }
 
@@ -400,10 +410,11 @@ std::vector<double> Populations<Real>::plane_sums() {
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) {
       read_row(x, y, row.data(), {&row[planes], &row[2 * planes], &row[3 * planes]});
+      const double share = options_.mirror == Mirror::on_node && y == 0 ? 0.5 : 1;
       for (std::size_t k = 0; k < planes; ++k) {
-        sums[4 * k] += row[k] - 1;
+        sums[4 * k] += share * (row[k] - 1);
         for (std::size_t axis = 1; axis < 4; ++axis) {
-          sums[4 * k + axis] += row[k] * row[axis * planes + k];
+          sums[4 * k + axis] += share * (row[k] * row[axis * planes + k]);
         }
       }
     }

@@ -47,12 +47,24 @@ class HugePages {
   std::unique_ptr<Real, Free> data_;
 };
 
+/// Index of the velocity c_i mirrored in y.
+constexpr int mirrored(int i) {
+  const auto v = d3q19::c(i);
+  int m = 0;
+  while (d3q19::c(m) != std::array<int, 3>{v[0], -v[1], v[2]}) ++m;
+  return m;
+}
+
 /// Nineteen arrays over x, y, z, z fastest. The populations are in one of the two states of the AA
 /// pattern. Before an even step f_i of node x is in array i at x. The even step leaves the collided
 /// f_i* in array opposite(i) at x; the odd step fetches f_i(x) from there, at x - c_i, and puts
 /// f_i* in array i at x + c_i, which is the first state again. A half-way wall between x and x +
 /// c_i sends f_i* back to x as f_(-i), and that is where the even step has left it: the odd step
 /// then reads and writes array opposite(i) at x.
+///
+/// Below a mirror plane between nodes, f_i of node (x, -1) is f_m of node (x, 0), m being i
+/// mirrored: what would come from there the odd step finds in array opposite(m) of row 0. On a
+/// plane on node 0 f_i is f_m: there the two share a place.
 template <class Real>
 class Slab {
  public:
@@ -64,9 +76,15 @@ class Slab {
   /// Array i at column (x, y), from plane 0 of the slab on; planes -1 and planes() are there too,
   /// for what an odd step exchanges with the slabs below and above.
   [[nodiscard]] Real* at(int i, int x, int y) const { return column(x, y) + i * stride_; }
-  /// Moves (x, y) by (dx, dy), around where periodic; false if that is outside.
-  bool move(int& x, int& y, int dx, int dy) const {
-    return move(x, dx, nx_, boundary_[0]) && move(y, dy, ny_, boundary_[1]);
+  /// Where f_i of column (x, y) streams from: (x, y) becomes that column, i the velocity that it
+  /// has there, another only through a mirror plane. False if that is outside.
+  bool trace(int& i, int& x, int& y) const {
+    const auto v = d3q19::c(i);
+    if (mirror_ == Mirror::between_nodes && y == 0 && v[1] > 0) {
+      i = mirrored(i);
+      return move(x, -v[0], nx_, boundary_[0]);
+    }
+    return move(x, -v[0], nx_, boundary_[0]) && move(y, -v[1], ny_, boundary_[1]);
   }
   /// Where the row finds its populations in an odd or an even step.
   [[nodiscard]] Row<Real> row(int x, int y, bool odd) const {
@@ -105,6 +123,7 @@ class Slab {
     const auto along = [](int node, int n) { return node == 0 ? 0U : (node == n - 1 ? 2U : 1U); };
     return 3 * along(x, nx_) + along(y, ny_);
   }
+  [[nodiscard]] std::ptrdiff_t place(int i, int x, int y, bool odd) const;
   void find_places();
   void find_walls(const Options& options);
 
@@ -112,6 +131,7 @@ class Slab {
   int ny_;
   int planes_;
   std::array<Boundary, 3> boundary_;
+  Mirror mirror_;
   std::ptrdiff_t pitch_;   // from row to row: plane -1 of one shares padding with the one before
   std::ptrdiff_t stride_;  // from array to array
   HugePages<Real> storage_;
@@ -130,6 +150,7 @@ Slab<Real>::Slab(const Options& options, int planes)
       ny_(options.nodes[1]),
       planes_(planes),
       boundary_(options.boundary),
+      mirror_(options.mirror),
       pitch_(lines(planes + 2) * line_),
       // An odd number of cache lines apart, the arrays do not compete for the same cache sets.
       stride_((lines(line_ + static_cast<std::ptrdiff_t>(nx_) * ny_ * pitch_) | 1) * line_),
@@ -138,25 +159,33 @@ Slab<Real>::Slab(const Options& options, int planes)
   find_walls(options);
 }
 
+// Of f_i, from its column's array 0.
+template <class Real>
+std::ptrdiff_t Slab<Real>::place(int i, int x, int y, bool odd) const {
+  const auto v = d3q19::c(i);
+  if (mirror_ == Mirror::on_node && y == 0 && v[1] > 0) {
+    return place(mirrored(i), x, y, odd);
+  }
+  int there = i;
+  int xn = x;
+  int yn = y;
+  if (odd && trace(there, xn, yn)) {
+    return at(d3q19::opposite(there), xn, yn) - v[2] - column(x, y);
+  }
+  return i * stride_;
+}
+
 template <class Real>
 void Slab<Real>::find_places() {
   for (const int x : {0, nx_ / 2, nx_ - 1}) {
     for (const int y : {0, ny_ / 2, ny_ - 1}) {
       for (int p = 0; p < d3q19::pairs; ++p) {
         const auto n = static_cast<std::size_t>(p);
-        const int plus = d3q19::plus(p);
-        const int minus = d3q19::minus(p);
-        const auto& e = d3q19::e[n];
-        Places& even = places_[0][kind(x, y)];
-        Places& odd = places_[1][kind(x, y)];
-        even.plus[n] = odd.plus[n] = plus * stride_;
-        even.minus[n] = odd.minus[n] = minus * stride_;
-        int xn = x;
-        int yn = y;
-        if (move(xn, yn, -e[0], -e[1])) odd.plus[n] = at(minus, xn, yn) - e[2] - column(x, y);
-        xn = x;
-        yn = y;
-        if (move(xn, yn, e[0], e[1])) odd.minus[n] = at(plus, xn, yn) + e[2] - column(x, y);
+        for (const bool odd : {false, true}) {
+          Places& places = places_[odd ? 1 : 0][kind(x, y)];
+          places.plus[n] = place(d3q19::plus(p), x, y, odd);
+          places.minus[n] = place(d3q19::minus(p), x, y, odd);
+        }
       }
     }
   }
@@ -174,6 +203,7 @@ void Slab<Real>::find_walls(const Options& options) {
         const bool low = node == 0;
         const bool high = node == options.nodes[axis] - 1;
         if (options.boundary[axis] != Boundary::regularized || !(low || high)) continue;
+        if (axis == 1 && low && options.mirror != Mirror::none) continue;
         wall.normal[axis] = low ? 1 : -1;
         velocity += options.wall_velocity[axis][low ? 0 : 1];
         ++count;

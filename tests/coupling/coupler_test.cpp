@@ -147,6 +147,63 @@ TEST(Coupler, ExplicitAndCorrectedBodiesMix) {
   EXPECT_LT(held.velocity[2], 0.01);
 }
 
+// Bodies that are symmetric about a plane move in half of a symmetric fluid, on a mirror plane, as
+// in the whole; their markers are on both sides.
+TEST(Coupler, BodiesInHalfASymmetricFluidMoveAsInTheWhole) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> offset(-2.2, 2.2);
+  std::vector<double> cloud;  // about the plane at y = 0
+  for (int m = 0; m < 40; ++m) {
+    const Eigen::Vector3d r(offset(random), offset(random), offset(random));
+    cloud.insert(cloud.end(), {r.x(), r.y(), r.z(), r.x(), -r.y(), r.z()});
+  }
+  const auto at = [&](double x, double y, double z) {
+    std::vector<double> moved = cloud;
+    for (std::size_t n = 0; n < moved.size(); n += 3) {
+      moved[n] += x;
+      moved[n + 1] += y;
+      moved[n + 2] += z;
+    }
+    return moved;
+  };
+  for (const fluid::Mirror mirror : {fluid::Mirror::between_nodes, fluid::Mirror::on_node}) {
+    const bool between = mirror == fluid::Mirror::between_nodes;
+    fluid::Options half;
+    half.nodes = {13, 8, 20};
+    half.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, fluid::Boundary::periodic};
+    half.force = {0, 0, 2e-4};
+    half.mirror = mirror;
+    fluid::Options whole = half;
+    whole.mirror = fluid::Mirror::none;
+    whole.nodes[1] = between ? 16 : 15;
+    const double plane = between ? -0.5 : 0;
+    std::vector<std::vector<double>> results;
+    for (const fluid::Options& options : {half, whole}) {
+      const double y = options.mirror == mirror ? plane : 0.5 * (options.nodes[1] - 1);
+      fluid::Fluid fluid(MPI_COMM_SELF, options);
+      const auto squeeze = [&](std::span<const double> x, std::span<double> force) {
+        for (std::size_t n = 0; n < x.size(); n += 3) {
+          force[n] = 1e-4 * std::sin(x[n]);
+          force[n + 1] = -2e-4 * (x[n + 1] - y);
+          force[n + 2] = 1e-4 * std::cos(x[n]);
+        }
+      };
+      Explicit loose(at(6.3, y, 4.6), squeeze);
+      Held held(at(6.9, y, 13.2), 3, 0.3);
+      Coupler coupler(fluid, {{0, &loose}, {1, &held}}, 2);
+      for (int step = 0; step < 60; ++step) coupler.step();
+      for (const std::vector<double>* found : {&loose.x, &loose.velocity, &held.velocity})
+        results.push_back(*found);
+      for (std::size_t n = 1; n < results[results.size() - 3].size(); n += 3)
+        results[results.size() - 3][n] -= y;
+    }
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      for (std::size_t n = 0; n < cloud.size(); ++n)
+        ASSERT_NEAR(results[kind][n], results[3 + kind][n], 1e-13) << kind << ' ' << n;
+    }
+  }
+}
+
 TEST(Coupler, NamesTheBodyThatFails) {
   fluid::Fluid fluid(MPI_COMM_SELF, box(16));
   int calls = 0;

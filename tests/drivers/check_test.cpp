@@ -133,6 +133,23 @@ TEST(Check, CostFollowsFromNodesAndSteps) {
   EXPECT_DOUBLE_EQ(expected_speed(s, 8, known), 600e6);  // more cores were not measured
 }
 
+TEST(Check, HalfOfASymmetricChannelCostsHalfAndLeavesTheSameGaps) {
+  for (const char* walls : {"halfway", "regularized"}) {
+    const std::vector<Override> channel = {set("channel.walls", walls)};
+    const Scenario whole = parse_scenario(pair_text, "case.toml", channel);
+    const Scenario half =
+        parse_scenario(pair_text, "case.toml", {channel[0], set("channel.symmetry", "y")});
+    const LatticeSetup whole_setup = lattice_setup(whole);
+    const LatticeSetup half_setup = lattice_setup(half);
+    EXPECT_EQ(2 * population_bytes(half, half_setup), population_bytes(whole, whole_setup));
+    EXPECT_EQ(2 * estimated_seconds(half_setup, 1e6), estimated_seconds(whole_setup, 1e6));
+    const std::vector<Gap> a = gaps(half, half_setup);
+    const std::vector<Gap> b = gaps(whole, whole_setup);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(a[n].distance, b[n].distance, 1e-12);
+  }
+}
+
 TEST(Check, ReportSaysWhatTheRunWouldBe) {
   const Scenario s = parse_scenario(pair_text, "case.toml");
   const std::string text = report(s, lattice_setup(s), 2, std::nullopt);

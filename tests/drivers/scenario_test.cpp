@@ -154,6 +154,7 @@ name = "all-different"
 nodes = 41
 walls = "regularized"
 side_walls = false
+symmetry = "none"
 half_width_y = 1.3
 length = 9.7
 reynolds = 0.1
@@ -388,6 +389,24 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[channel]\nnodes = 16\n" + capsule + "radius = 0.2\n",
        "case.toml:2:9: channel.nodes = 16: too few nodes: the radius of body \"a\" is 1.6 lattice "
        "spacings, at least 2 are needed: raise channel.nodes to 20"},
+      // what is not symmetric about y = 0
+      {"[channel]\nsymmetry = \"x\"\n",
+       "case.toml:2:12: channel.symmetry = \"x\": must be \"none\" or \"y\"; did you mean \"y\"?"},
+      {"[channel]\nsymmetry = \"y\"\nside_walls = false\n",
+       "case.toml:2:12: channel.symmetry = \"y\": must be \"none\" where channel.side_walls = "
+       "false: the plane of symmetry needs a wall to face"},
+      {"[channel]\nsymmetry = \"y\"\ngravity = [1, 2, 3]\n",
+       "case.toml:3:11: channel.gravity = [1, 2, 3]: must be 0 along y where "
+       "channel.symmetry = \"y\": set that to \"none\""},
+      {"[channel]\nsymmetry = \"y\"\n" + capsule + "y = 0.1\n",
+       "case.toml:6:5: body.a.y = 0.1: must be 0 where channel.symmetry = \"y\": put the body on "
+       "the plane of symmetry, or set channel.symmetry = \"none\""},
+      {"[channel]\nsymmetry = \"y\"\n" + capsule +
+           "rotation_axis = [1, 0, 0]\nrotation_angle = 30\n",
+       "case.toml:6:17: body.a.rotation_axis = [1, 0, 0]: turns the mesh of body \"a\" so that it "
+       "is "
+       "not its own mirror image about y = 0 to 1e-09 radii: use [0, 1, 0], or set "
+       "channel.symmetry = \"none\""},
       {"[petsc]\n-membrane_ksp_type = \"cg\"\n",
        "case.toml:2:1: petsc.-membrane_ksp_type: must be the name of a PETSc option without its "
        "dash, such as membrane_ksp_rtol"},
@@ -412,6 +431,23 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       EXPECT_EQ(message, wrong.message) << wrong.text;
     }
   }
+}
+
+// Meshes of any frequency, turned about y or by right angles, are their own mirror images.
+TEST(Scenario, BodiesOnAPlaneOfSymmetryAreTakenIfTheirMeshesAreSymmetric) {
+  const std::string text =
+      "[channel]\nsymmetry = \"y\"\n[[body]]\nlaplace = 10\nradius = 0.3\nx = 0.1\n";
+  for (const std::string shape : {"sphere", "biconcave"}) {
+    for (const std::string frequency : {"1", "2", "3", "6", "9", "20", "32"}) {
+      const std::string body =
+          text + "shape = \"" + shape + "\"\nfrequency = " + frequency + "\nrotation_angle = ";
+      EXPECT_EQ(refusal(body + "0\n"), "");
+      EXPECT_EQ(refusal(body + "33.3\n"), "");
+      EXPECT_EQ(refusal(body + "90\nrotation_axis = [1, 0, 0]\n"), "");
+      EXPECT_NE(refusal(body + "33.3\nrotation_axis = [1, 1, 0]\n"), "");
+    }
+  }
+  EXPECT_EQ(refusal("[channel]\nsymmetry = \"y\"\n[[body]]\nkind = \"rigid\"\n"), "");
 }
 
 TEST(Scenario, PetscOptionsAreKeptAsPetscReadsThem) {

@@ -103,6 +103,33 @@ TEST(Units, WallsLieWhereTheBoundaryConditionPutsThem) {
   EXPECT_LT((halfway.bodies[1].centre - Eigen::Vector3d(13.9, 17.5, 99)).norm(), 1e-12);
 }
 
+// Half of a channel has the plane y = 0 half-way below its first nodes, or on them, and the wall
+// where the whole channel has it.
+TEST(Units, HalfOfASymmetricChannelIsItsUpperHalf) {
+  const Override half = set("channel.symmetry", "y");
+  for (const char* walls : {"halfway", "regularized"}) {
+    for (const char* nodes : {"36", "37"}) {
+      const std::vector<Override> channel = {set("channel.nodes", nodes),
+                                             set("channel.walls", walls)};
+      const LatticeSetup whole = lattice_setup(scenario(channel));
+      const LatticeSetup s = lattice_setup(scenario({channel[0], channel[1], half}));
+      const bool even = whole.nodes[1] % 2 == 0;
+      EXPECT_EQ(s.mirror, even ? fluid::Mirror::between_nodes : fluid::Mirror::on_node);
+      EXPECT_EQ(s.nodes, (std::array<int, 3>{whole.nodes[0], even ? 18 : 19, whole.nodes[2]}));
+      EXPECT_EQ(s.half_width, whole.half_width);
+      EXPECT_EQ(s.half_width_y, whole.half_width_y);
+      EXPECT_EQ(s.alpha, whole.alpha);
+      EXPECT_EQ(s.total_steps, whole.total_steps);
+      const Eigen::Vector3d down(0, whole.nodes[1] - s.nodes[1], 0);
+      for (const Eigen::Vector3d& point :
+           {Eigen::Vector3d(-1, 1, 0), Eigen::Vector3d(0.3, -0.2, 7.5)}) {
+        EXPECT_LT((s.to_lattice(point) + down - whole.to_lattice(point)).norm(), 1e-12);
+        EXPECT_LT((s.position(s.to_lattice(point)) - point).norm(), 1e-14);
+      }
+    }
+  }
+}
+
 TEST(Units, LengthsAreRoundedToWholeNodesAndReynoldsStaysTrue) {
   const LatticeSetup s =
       lattice_setup(scenario({set("channel.length", "7.3"), set("channel.half_width_y", "1.51")}));

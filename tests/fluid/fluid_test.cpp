@@ -256,14 +256,18 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
 
 // The kernel that a lesser machine would run gives the same bits.
 TEST(InstructionSets, GiveTheSameBits) {
-  for (const Boundary walls : {halfway, regularized}) {
+  for (const auto& [walls, mirror] :
+       {std::pair(halfway, Mirror::none), std::pair(regularized, Mirror::none),
+        std::pair(halfway, Mirror::on_node), std::pair(regularized, Mirror::between_nodes),
+        std::pair(regularized, Mirror::on_node)}) {
     for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
       Options o;
       o.nodes = {6, 5, 67};  // vectors of eight, four and two, and one more
+      o.mirror = mirror;
       o.boundary = {walls, walls, periodic};
       o.collision = walls == halfway ? Collision::trt : Collision::bgk;
       o.tau = 0.8;
-      o.force = {1e-4, -2e-4, 3e-4};
+      o.force = {1e-4, mirror == Mirror::none ? -2e-4 : 0, 3e-4};
       o.storage = storage;
       std::vector<Field> results;
       for (const InstructionSet set :
@@ -272,7 +276,8 @@ TEST(InstructionSets, GiveTheSameBits) {
         o.instruction_set = set;
         Fluid fluid(MPI_COMM_WORLD, o);
         fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
-        const std::array<Box, 1> boxes = {Box{{{1, 4}, {1, 4}, {3, 40}}}};
+        const int low = mirror == Mirror::none ? 1 : -3;
+        const std::array<Box, 1> boxes = {Box{{{1, 4}, {low, 4}, {3, 40}}}};
         fluid.place_boxes(boxes);
         for (int step = 0; step < 5; ++step) {
           for (Patch& patch : fluid.patches()) {

@@ -9,16 +9,18 @@ namespace {
 
 using namespace ductile::fluid;
 
-class Ranks : public testing::TestWithParam<std::tuple<Boundary, Boundary, Storage>> {};
+class Ranks : public testing::TestWithParam<std::tuple<Boundary, Boundary, Storage, Mirror>> {};
 
 TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
   Options o;
   o.nodes = {9, 8, 13};
   o.boundary = {std::get<0>(GetParam()), std::get<0>(GetParam()), std::get<1>(GetParam())};
   o.storage = std::get<2>(GetParam());
+  o.mirror = std::get<3>(GetParam());
+  const bool mirrored = o.mirror != Mirror::none;
   o.tau = 0.9;
   o.force = {0, 0, 1e-4};
-  if (o.boundary[2] == Boundary::halfway) o.wall_velocity[2][1] = {0.01, 0.02, 0};
+  if (o.boundary[2] == Boundary::halfway) o.wall_velocity[2][1] = {0.01, mirrored ? 0 : 0.02, 0};
   if (o.boundary[0] != Boundary::periodic) o.wall_velocity[0][0] = {0, 0, 0.02};
   Fluid cut(MPI_COMM_WORLD, o);
   Fluid whole(MPI_COMM_SELF, o);
@@ -28,7 +30,8 @@ TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
     s.velocity = {0.02 * std::sin(0.9 * j + k), 0.01 * std::cos(i - 0.4 * k), 0.03 * std::sin(i)};
     return s;
   };
-  const std::array<Box, 2> boxes = {Box{{{2, 6}, {1, 5}, {-3, 4}}}, Box{{{2, 6}, {1, 5}, {6, 9}}}};
+  const Range y = {mirrored ? -4 : 1, 5};
+  const std::array<Box, 2> boxes = {Box{{{2, 6}, y, {-3, 4}}}, Box{{{2, 6}, y, {6, 9}}}};
   const bool wraps = o.boundary[2] == Boundary::periodic;
   for (Fluid* fluid : {&cut, &whole}) {
     fluid->initialise(state);
@@ -78,7 +81,14 @@ INSTANTIATE_TEST_SUITE_P(
     All, Ranks,
     testing::Combine(testing::Values(Boundary::periodic, Boundary::halfway, Boundary::regularized),
                      testing::Values(Boundary::periodic, Boundary::halfway),
-                     testing::Values(Storage::double_precision, Storage::single_precision)));
+                     testing::Values(Storage::double_precision, Storage::single_precision),
+                     testing::Values(Mirror::none)));
+INSTANTIATE_TEST_SUITE_P(Mirrored, Ranks,
+                         testing::Combine(testing::Values(Boundary::halfway, Boundary::regularized),
+                                          testing::Values(Boundary::periodic, Boundary::halfway),
+                                          testing::Values(Storage::double_precision,
+                                                          Storage::single_precision),
+                                          testing::Values(Mirror::between_nodes, Mirror::on_node)));
 
 TEST(Slabs, ShareThePlanesEvenly) {
   Options o;

@@ -24,6 +24,14 @@ enum class Boundary {
   regularized  ///< no-slip walls on nodes 0 and N - 1: Latt et al. 2008 (the paper's), width N - 1
 };
 
+/// A plane of symmetry at the low end of y: the box is the upper half of a fluid that is the mirror
+/// image of itself, and nodes below 0 are images of those above.
+enum class Mirror {
+  none,
+  between_nodes,  ///< at y = -1/2: node -1 - j is the image of node j
+  on_node         ///< at y = 0: node -j is the image of node j, and node 0 its own
+};
+
 enum class Collision {
   bgk,  ///< eq. (2)
   trt   ///< two relaxation times: odd moments relax so that (tau - 1/2)(tau_odd - 1/2) = magic
@@ -35,6 +43,7 @@ enum class Storage { double_precision, single_precision };
 struct Options {
   std::array<int, 3> nodes{};  ///< along x, y, z
   std::array<Boundary, 3> boundary{Boundary::periodic, Boundary::periodic, Boundary::periodic};
+  Mirror mirror = Mirror::none;  ///< in place of the low wall across y
   /// Velocity of the wall at the low and the high end of each axis, tangential to the wall.
   std::array<std::array<Eigen::Vector3d, 2>, 3> wall_velocity{
       {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()},
@@ -58,7 +67,8 @@ struct NodeState {
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
 };
 
-/// Sums over all nodes; the same to the last bit on any number of ranks.
+/// Sums over all nodes; the same to the last bit on any number of ranks. With a mirror plane those
+/// of the half above it: nodes on the plane count half.
 struct Totals {
   double mass = 0;                                     ///< sum of rho - 1
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< sum of rho u, half the uniform force in
@@ -72,13 +82,18 @@ struct Range {
   [[nodiscard]] int size() const { return end - begin; }
 };
 
-/// A box of nodes around bodies. z may run outside [0, nz) where the axis is periodic.
+/// A box of nodes around bodies. z may run outside [0, nz) where the axis is periodic, y below 0
+/// where there is a mirror plane.
 using Box = std::array<Range, 3>;
 
 /// The part of a box that lies on this rank: where a force acts that varies from node to node, and
 /// where the velocity is known. Arrays run over x, y, z, z fastest; each row of z is `pitch` long,
 /// with `pad` planes on either side of the `size[2]` that are this rank's own. In those planes the
 /// velocity is 0 and the force is ignored, so that a stencil may reach over the edge.
+///
+/// Below a mirror plane density and velocity are the image of those above, and the force is taken
+/// to be, whatever is written there: a body across the plane may spread its force on both sides. On
+/// the plane no force acts along y.
 struct Patch {
   static constexpr int pad = 4;
   int box = 0;                 ///< index of the box it belongs to
@@ -106,7 +121,8 @@ class Fluid {
   /// Collective. Each rank holds an even share of the planes. The fluid is at rest.
   /// Throws std::invalid_argument, on every rank, if tau <= 1/2, magic <= 0, an axis has fewer than
   /// 2 nodes (4 with walls on nodes), z is regularized, a wall velocity has a normal component,
-  /// there are more ranks than planes, or a given instruction set is not available.
+  /// a mirror plane faces no wall, the force or a wall's velocity is not symmetric about it, there
+  /// are more ranks than planes, or a given instruction set is not available.
   Fluid(MPI_Comm comm, const Options& options);
   ~Fluid();
   Fluid(Fluid&&) noexcept;
@@ -122,8 +138,10 @@ class Fluid {
   /// Planes of this rank, and of any rank.
   [[nodiscard]] Range slab() const;
   [[nodiscard]] Range slab(int rank) const;
-  /// Nodes on which a body may act: all but the walls' own.
+  /// Nodes on which a body may act: all but the walls' own, and with a mirror plane their images.
   [[nodiscard]] Box domain() const;
+  /// The box, made larger if it must be to hold the image of all that it has below a mirror plane.
+  [[nodiscard]] Box with_image(Box box) const;
   /// Time steps done.
   [[nodiscard]] std::int64_t time() const;
   /// Bytes held by this rank: populations, messages and patches.
@@ -133,13 +151,13 @@ class Fluid {
 
   /// Sets the populations of every own node to equilibrium plus the first-order non-equilibrium
   /// part of the state's gradient, w_i rho (-tau/c_s^2)(c c - c_s^2 1):grad u, less half of Guo's
-  /// forcing term, as in a slowly varying flow. `state` is called with own nodes (i, j, k); time is
-  /// reset to 0.
+  /// forcing term, as in a slowly varying flow. `state` is called with own nodes (i, j, k), and is
+  /// symmetric where a mirror plane lies on them; time is reset to 0.
   void initialise(const std::function<NodeState(int, int, int)>& state);
 
-  /// Replaces the boxes by these, which must be disjoint and inside domain(); each rank keeps its
-  /// part. Forces are zero until written. Every rank is given all boxes. Throws
-  /// std::invalid_argument for a box outside the domain.
+  /// Replaces the boxes by these, which must be disjoint, inside domain() and hold the images of
+  /// their nodes below a mirror plane; each rank keeps its part. Forces are zero until written.
+  /// Every rank is given all boxes. Throws std::invalid_argument for a box that is not so.
   void place_boxes(std::span<const Box> boxes);
   [[nodiscard]] std::span<Patch> patches();
 
