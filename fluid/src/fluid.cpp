@@ -37,7 +37,10 @@ Options validated(MPI_Comm comm, Options options) {
     }
     for (const Eigen::Vector3d& u : options.wall_velocity[axis]) {
       if (!u.allFinite() || u[static_cast<Eigen::Index>(axis)] != 0) {
-        reject("the velocity of a wall across " + name + " must have no component along " + name);
+        reject(std::string("the velocity of a wall across ")
+                   .append(name)
+                   .append(" must have no component along ")
+                   .append(name));
       }
     }
   }

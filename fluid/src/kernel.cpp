@@ -148,7 +148,7 @@ struct Nodes {
 
 template <int N, class Real>
 [[gnu::always_inline]] inline Nodes<N> load_nodes(const Row<Real>& row, int k) {
-  Nodes<N> nodes;
+  Nodes<N> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
   nodes.rest = load<N>(row.rest + k);
   for_pairs([&]<int p>() __attribute__((always_inline)) {
     const Lanes<N> f = load<N>(row.plus[p] + k);
@@ -172,7 +172,7 @@ template <int N>
 [[gnu::always_inline]] inline Moments<N> moments_of(const Nodes<N>& nodes) {
   const auto& t = nodes.t;
   const auto& d = nodes.d;
-  Moments<N> m;
+  Moments<N> m;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
   m.density_less_one =
       (((t[3] + t[4]) + (t[5] + t[6])) + ((t[7] + t[8]) + (t[0] + t[1]))) + (t[2] + nodes.rest);
   m.x = ((d[3] + d[4]) + (d[5] + d[6])) + d[0];
@@ -309,7 +309,7 @@ struct WallRule {
   template <int N, class Real>
   [[gnu::always_inline]] void collide_nodes(const Row<Real>& row, int k,
                                             const Relaxation& relaxation) const {
-    Nodes<N> nodes;
+    Nodes<N> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
     const Lanes<N> rest = load<N>(row.rest + k);
     Lanes<N> plus[pairs];
     Lanes<N> minus[pairs];

@@ -90,7 +90,7 @@ class Slab {
   [[nodiscard]] Row<Real> row(int x, int y, bool odd) const {
     const Places& places = places_[odd ? 1 : 0][kind(x, y)];
     Real* base = column(x, y);
-    Row<Real> row;
+    Row<Real> row;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
     row.rest = base;
     for (int p = 0; p < d3q19::pairs; ++p) {
       const auto n = static_cast<std::size_t>(p);

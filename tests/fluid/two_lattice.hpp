@@ -73,7 +73,8 @@ class TwoLattice {
   }
   [[nodiscard]] std::size_t index(int i, int x, int y, int z) const {
     const auto& n = options_.nodes;
-    return static_cast<std::size_t>(((x * n[1] + y) * n[2] + z) * fluid::d3q19::Q + i);
+    const std::ptrdiff_t node = (static_cast<std::ptrdiff_t>(x) * n[1] + y) * n[2] + z;
+    return static_cast<std::size_t>(node * fluid::d3q19::Q + i);
   }
   void stream(int i, const std::array<int, 3>& from, double value) {
     const auto v = fluid::d3q19::c(i);
