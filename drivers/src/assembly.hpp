@@ -16,6 +16,9 @@
 
 namespace ductile::drivers {
 
+/// The fluid of a scenario, in its initial state. Collective.
+fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI_Comm comm);
+
 /// Body b belongs to rank b modulo the number of ranks.
 class Assembly {
  public:

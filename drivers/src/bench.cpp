@@ -97,8 +97,15 @@ class Bench {
     const double one = seconds(2, f) / 2;
     return 2 * std::max(1, static_cast<int>(std::ceil(0.5 * seconds_a_repeat / one)));
   }
+  [[nodiscard]] double speed(int steps, const std::function<void()>& f) const {
+    return node_count() * steps / seconds(steps, f);
+  }
+  struct Reference {
+    std::string name;
+    std::function<void()> step;
+  };
   void row(BenchTable& table, const std::string& name, int ranks, const std::function<void()>& step,
-           const std::function<void()>& ceiling) const;
+           const std::function<void()>& ceiling, const Reference& reference = {}) const;
 
   BenchOptions options_;
   MPI_Comm comm_;
@@ -107,14 +114,18 @@ class Bench {
 };
 
 void Bench::row(BenchTable& table, const std::string& name, int ranks,
-                const std::function<void()>& step, const std::function<void()>& ceiling) const {
-  BenchRow row{name, ranks, {}, {}};
+                const std::function<void()>& step, const std::function<void()>& ceiling,
+                const Reference& reference) const {
+  BenchRow row{name, ranks, {}, {}, reference.name, {}};
   const int ceiling_steps = enough_steps(ceiling);
+  const int reference_steps = reference.step ? enough_steps(reference.step) : 0;
   const int steps = enough_steps(step);
   for (int n = 0; n < options_.repeats; ++n) {
-    const double highest = node_count() * ceiling_steps / seconds(ceiling_steps, ceiling);
-    row.updates.push_back(node_count() * steps / seconds(steps, step));
+    const double highest = speed(ceiling_steps, ceiling);
+    const double compared = reference.step ? speed(reference_steps, reference.step) : 0;
+    row.updates.push_back(speed(steps, step));
     row.fraction.push_back(row.updates.back() / highest);
+    if (reference.step) row.relative.push_back(row.updates.back() / compared);
     table.ceiling.push_back(highest);
   }
   table.rows.push_back(std::move(row));
@@ -125,50 +136,51 @@ BenchTable Bench::run(fluid::Storage storage) {
   table.single_precision = storage == fluid::Storage::single_precision;
   fluid::Fluid streamed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
   const auto ceiling = [&] { fluid::stream_only(streamed); };
-  for (const fluid::Boundary walls : {fluid::Boundary::halfway, fluid::Boundary::regularized}) {
-    fluid::Fluid fluid(comm_, channel(options_.nodes, storage, walls));
-    const bool halfway = walls == fluid::Boundary::halfway;
+  {
+    fluid::Fluid walls(comm_, channel(options_.nodes, storage, fluid::Boundary::regularized));
     row(
-        table, halfway ? "fluid, half-way walls" : "fluid, walls on nodes", ranks_,
-        [&] { fluid.step(); }, ceiling);
-    if (!halfway) continue;
-    fluid.place_boxes(boxes(options_.nodes));
+        table, "fluid, walls on nodes", ranks_, [&] { walls.step(); }, ceiling);
+  }
+  fluid::Fluid fluid(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+  const Reference alone{"the fluid alone", [&] { fluid.step(); }};
+  row(table, "fluid, half-way walls", ranks_, alone.step, ceiling);
+  // Of the rows for one rank that works while the others wait.
+  const std::string all_ranks = fmt::format("{} ranks", ranks_);
+  if (ranks_ > 1) {
+    std::optional<fluid::Fluid> one;
+    if (rank_ == 0) {
+      one.emplace(MPI_COMM_SELF, channel(options_.nodes, storage, fluid::Boundary::halfway));
+    }
+    row(table, "fluid, half-way walls", 1,
+        [&] {
+          if (one) one->step();
+        },
+        ceiling, {all_ranks, alone.step});
+  }
+  {
+    fluid::Fluid boxed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+    boxed.place_boxes(boxes(options_.nodes));
     row(
-        table, "fluid, forces in two boxes", ranks_, [&] { fluid.step(); }, ceiling);
+        table, "fluid, forces in two boxes", ranks_, [&] { boxed.step(); }, ceiling, alone);
   }
   const Scenario scenario = pair(options_.nodes, storage);
   const LatticeSetup setup = lattice_setup(scenario);
-  {
-    Assembly all(scenario, setup, comm_);
-    all.coupler().step();
-    all.coupler().reset_profile();
-    row(
-        table, "two capsules", ranks_, [&] { all.coupler().step(); }, ceiling);
-    const coupling::Profile& profile = all.coupler().profile();
-    table.coupled = gathered(profile, profile.total(), comm_).value_or(RunProfile{});
-  }
-  if (ranks_ == 1) return table;
-  // One rank works, the others wait.
-  {
-    std::optional<fluid::Fluid> fluid;
-    if (rank_ == 0) {
-      fluid.emplace(MPI_COMM_SELF, channel(options_.nodes, storage, fluid::Boundary::halfway));
-    }
-    row(
-        table, "fluid, half-way walls", 1,
-        [&] {
-          if (fluid) fluid->step();
-        },
-        ceiling);
-  }
-  std::optional<Assembly> one;
-  if (rank_ == 0) one.emplace(scenario, setup, MPI_COMM_SELF);
+  Assembly all(scenario, setup, comm_);
+  all.coupler().step();
+  all.coupler().reset_profile();
   row(
-      table, "two capsules", 1,
-      [&] {
-        if (one) one->coupler().step();
-      },
-      ceiling);
+      table, "two capsules", ranks_, [&] { all.coupler().step(); }, ceiling, alone);
+  const coupling::Profile& profile = all.coupler().profile();
+  table.coupled = gathered(profile, profile.total(), comm_).value_or(RunProfile{});
+  if (ranks_ > 1) {
+    std::optional<Assembly> one;
+    if (rank_ == 0) one.emplace(scenario, setup, MPI_COMM_SELF);
+    row(table, "two capsules", 1,
+        [&] {
+          if (one) one->coupler().step();
+        },
+        ceiling, {all_ranks, [&] { all.coupler().step(); }});
+  }
   return table;
 }
 
@@ -206,12 +218,12 @@ std::string machine() {
 }  // namespace
 
 BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
-  const double bytes = 2.2 * populations * sizeof(double) * 6 * std::pow(options.nodes, 3);
+  const double bytes = 4.4 * populations * sizeof(double) * 6 * std::pow(options.nodes, 3);
   const double memory =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (bytes > 0.9 * memory) {
     throw InputError(fmt::format(
-        "--nodes {}: two fluids of {} x {} x {} nodes take {:.1f} GB, this machine has "
+        "--nodes {}: four fluids of {} x {} x {} nodes take {:.1f} GB, this machine has "
         "{:.1f}: give fewer nodes",
         options.nodes, options.nodes, options.nodes, 6 * options.nodes, bytes / 1e9, memory / 1e9));
   }
@@ -231,12 +243,12 @@ BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
 
 std::string table(const BenchResult& result) {
   std::string text = fmt::format(
-      "{} x {} x {} nodes, {} rank{} on {} core{}, fluid kernel for {}\n"
-      "speeds in million updates a second and their share of the ceiling: medians of {} repeats,\n"
-      "each next to one of the ceiling, which is the fluid's loads and stores without its "
-      "arithmetic\n",
+      "{} x {} x {} nodes, {} rank{} on {} core{}, fluid kernel for {}, capsules of {} triangles\n"
+      "speeds in million updates a second and shares of the ceiling (the fluid's loads and stores\n"
+      "without its arithmetic): medians of {} repeats, each in turn with what it is compared "
+      "with\n",
       result.nodes[0], result.nodes[1], result.nodes[2], result.ranks, result.ranks == 1 ? "" : "s",
-      result.cores, result.cores == 1 ? "" : "s", result.instruction_set,
+      result.cores, result.cores == 1 ? "" : "s", result.instruction_set, result.triangles,
       result.tables.front().rows.front().updates.size());
   for (const BenchTable& t : result.tables) {
     const double bytes = 2 * populations * (t.single_precision ? 4 : 8);
@@ -249,14 +261,11 @@ std::string table(const BenchResult& result) {
     for (const BenchRow& row : t.rows) {
       text += fmt::format("{:<34} {:>5} {:>8.1f} {:>7.1f}%", row.name, row.ranks,
                           median(row.updates) / 1e6, 100 * median(row.fraction));
-      const BenchRow* all = find(t, row.name, result.ranks);
-      if (row.ranks != result.ranks && all != nullptr) {
-        text += fmt::format("   {} ranks are {:.2f} times as fast", result.ranks,
-                            median(all->fraction) / median(row.fraction));
-      } else if (row.name == "two capsules") {
-        text += fmt::format("   {:.1f}% of the fluid alone; of {} triangles each",
-                            100 * median(row.fraction) / median(t.rows.front().fraction),
-                            result.triangles);
+      if (!row.relative.empty() && row.ranks == result.ranks) {
+        text += fmt::format("   {:.1f}% of {}", 100 * median(row.relative), row.reference);
+      } else if (!row.relative.empty()) {
+        text +=
+            fmt::format("   {} are {:.2f} times as fast", row.reference, 1 / median(row.relative));
       }
       text += '\n';
     }
@@ -291,6 +300,11 @@ std::string json(const BenchResult& result) {
       json.add("updates_per_second", std::span<const double>(row.updates));
       json.add("fraction_of_ceiling", std::span<const double>(row.fraction));
       json.add("median_fraction", median(row.fraction));
+      if (!row.relative.empty()) {
+        json.add("reference", row.reference);
+        json.add("fraction_of_reference", std::span<const double>(row.relative));
+        json.add("median_of_reference", median(row.relative));
+      }
       json.close('}');
     }
     json.close(']');

@@ -19,14 +19,16 @@ struct BenchOptions {
   bool json = false;
 };
 
-/// One thing timed, side by side with the ceiling: in turn, so that both meet the machine in the
-/// same state. The ceiling is the loads and stores of the fluid's step and nothing else, on all
-/// ranks.
+/// One thing timed, in turn with the ceiling and with what else it is compared with, so that all
+/// meet the machine in the same state. The ceiling is the loads and stores of the fluid's step and
+/// nothing else, on all ranks.
 struct BenchRow {
   std::string name;
   int ranks = 1;
   std::vector<double> updates;   ///< nodes a second, of each repeat
   std::vector<double> fraction;  ///< of the ceiling, likewise
+  std::string reference;         ///< what else it is compared with: "" if nothing
+  std::vector<double> relative;  ///< speed over the reference's, likewise
 };
 
 /// One storage of the populations.
@@ -47,7 +49,7 @@ struct BenchResult {
 };
 
 /// Of 90 nodes and the usual repeats, under a minute. Collective; the result is rank 0's.
-/// Throws InputError, on every rank, if two such fluids exceed the machine's memory.
+/// Throws InputError, on every rank, if four such fluids exceed the machine's memory.
 BenchResult measure(const BenchOptions& options, MPI_Comm comm);
 
 std::string table(const BenchResult& result);

@@ -14,7 +14,6 @@
 #include "assembly.hpp"
 #include "bodies.hpp"
 #include "ductile/coupling/coupler.hpp"
-#include "ductile/fluid/duct.hpp"
 #include "ductile/membrane/petsc.hpp"
 #include "errors.hpp"
 #include "progress.hpp"
@@ -556,52 +555,6 @@ RunResult Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up) {
 }
 
 }  // namespace
-
-fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI_Comm comm) {
-  const bool plates = !scenario.channel.side_walls;
-  fluid::Options options;
-  options.nodes = setup.nodes;
-  options.boundary = {scenario.channel.walls,
-                      plates ? fluid::Boundary::periodic : scenario.channel.walls,
-                      fluid::Boundary::periodic};
-  options.mirror = setup.mirror;
-  options.wall_velocity[0] = {Eigen::Vector3d(0, 0, setup.wall_velocity[0]),
-                              Eigen::Vector3d(0, 0, setup.wall_velocity[1])};
-  options.tau = setup.tau;
-  options.collision = scenario.fluid.collision;
-  options.magic = scenario.fluid.magic;
-  options.force = {0, 0, setup.alpha};
-  options.storage = scenario.fluid.storage;
-  fluid::Fluid fluid(comm, options);
-  if (scenario.channel.start == Start::rest) return fluid;
-
-  const double w = setup.half_width;
-  const fluid::DuctFlow duct({w, setup.half_width_y}, setup.alpha, setup.nu);
-  const Eigen::Vector3d axis = setup.origin();
-  // The same for a whole column of nodes, which initialise() visits one after the other.
-  std::array<int, 2> column = {-1, -1};
-  fluid::NodeState state;
-  fluid.initialise([&](int i, int j, int /*k*/) {
-    if (column == std::array<int, 2>{i, j}) return state;
-    column = {i, j};
-    state = {};
-    const double x = i - axis.x();
-    const double y = j - axis.y();
-    if (plates) {
-      const double shear = (setup.wall_velocity[1] - setup.wall_velocity[0]) / (2 * w);
-      state.velocity.z() = setup.alpha / (2 * setup.nu) * (w * w - x * x) +
-                           0.5 * (setup.wall_velocity[0] + setup.wall_velocity[1]) + shear * x;
-      state.gradient(0, 2) = -setup.alpha / setup.nu * x + shear;
-    } else if (std::abs(x) < w && std::abs(y) < setup.half_width_y) {
-      state.velocity.z() = duct.velocity(x, y);
-      const Eigen::Vector2d gradient = duct.gradient(x, y);
-      state.gradient(0, 2) = gradient.x();
-      state.gradient(1, 2) = gradient.y();
-    }
-    return state;
-  });
-  return fluid;
-}
 
 RunResult run_simulation(const Scenario& scenario, const LatticeSetup& setup,
                          const RunOptions& options, MPI_Comm comm) {

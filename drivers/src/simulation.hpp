@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "ductile/fluid/fluid.hpp"
 #include "errors.hpp"
 #include "sample.hpp"
 #include "scenario.hpp"
@@ -33,9 +32,6 @@ struct RunResult {
   std::optional<Summary> summary;
   std::vector<Sample> samples;
 };
-
-/// The fluid of a scenario, in its initial state. Collective.
-fluid::Fluid make_fluid(const Scenario& scenario, const LatticeSetup& setup, MPI_Comm comm);
 
 /// Runs the scenario until it is decided, over, or fails, and writes the run directory. Rank 0
 /// prints progress and what stands in the way of a run, not what came of it. Collective.

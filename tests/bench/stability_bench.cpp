@@ -25,12 +25,12 @@
 #include <string>
 #include <vector>
 
+#include "assembly.hpp"
 #include "bodies.hpp"
 #include "drivers/stability_box.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/coupling/stencils.hpp"
 #include "ductile/membrane/mesh.hpp"
-#include "simulation.hpp"
 #include "stability.hpp"
 #include "units.hpp"
 

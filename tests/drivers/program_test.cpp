@@ -88,7 +88,7 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   EXPECT_EQ(table.exit_code, 0) << table.errors;
   for (const char* part :
        {"24 x 24 x 144 nodes, 2 ranks", "fluid kernel for", "double precision", "single precision",
-        "fluid, walls on nodes", "2 ranks are", "spreading"}) {
+        "fluid, walls on nodes", "2 ranks are", "of the fluid alone", "spreading"}) {
     EXPECT_NE(table.output.find(part), std::string::npos) << part << " not in\n" << table.output;
   }
   const Outcome known = run("check " + quickstart, "XDG_CACHE_HOME=cache ");
