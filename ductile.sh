@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
-#   ./ductile.sh [-n RANKS] COMMAND ...    the program, `run`, `pair` and `compare` on all cores
+#   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `compare`, `bench` on all cores
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
 #   ./ductile.sh build                     builds everything, runs nothing
@@ -46,7 +46,8 @@ install_missing() {
 
 # Configures once, and lets ninja see whether a target is up to date.
 make_target() {
-  if [ ! -f "$build/build.ninja" ]; then
+  # Configured by an earlier version, the build was for this machine alone.
+  if [ ! -f "$build/build.ninja" ] || grep -qs '^DUCTILE_NATIVE:BOOL=ON' "$build/CMakeCache.txt"; then
     say "configuring in build/"
     (cd "$top" && cmake --preset release) >"$top/.configure.log" 2>&1 ||
       { cat "$top/.configure.log" >&2; rm -f "$top/.configure.log"; exit 1; }

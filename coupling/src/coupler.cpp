@@ -133,6 +133,7 @@ class Coupler::Impl {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int ranks_ = 1;
+  fluid::InstructionSet instruction_set_;
   int period_;
   std::vector<Host> hosts_;
   std::vector<Entry> entries_;
@@ -148,6 +149,7 @@ class Coupler::Impl {
 
 Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
     : fluid_(fluid),
+      instruction_set_(*fluid.options().instruction_set),
       period_(fluid.options().boundary[2] == fluid::Boundary::periodic ? fluid.options().nodes[2]
                                                                        : 0) {
   check(MPI_Comm_dup(fluid.comm(), &comm_), "MPI_Comm_dup");
@@ -163,6 +165,7 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
     Host host;
     host.id = member.id;
     host.body = member.body;
+    host.response = MarkerResponse(instruction_set_);
     const std::size_t size = 3 * member.body->marker_count();
     host.force.resize(size);
     host.velocity.resize(size);
@@ -399,6 +402,7 @@ void Coupler::Impl::lay_out() {
       Guest guest;
       guest.id = static_cast<int>(id);
       guest.owner = entry.owner;
+      guest.stencils = Stencils(instruction_set_);
       guests_.push_back(std::move(guest));
     }
     if (entry.owner != rank_) continue;

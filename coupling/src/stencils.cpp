@@ -9,11 +9,6 @@
 namespace ductile::coupling {
 namespace {
 
-const StencilKernel& kernel() {
-  static const StencilKernel& chosen = stencil_kernel(fluid::best_instruction_set());
-  return chosen;
-}
-
 template <class Number>
 PatchField<Number> field_of(const fluid::Patch& patch, const std::array<Number*, 3>& component) {
   return {{patch.begin[0], patch.begin[1], patch.begin[2]},
@@ -33,6 +28,8 @@ const StencilKernel& stencil_kernel([[maybe_unused]] fluid::InstructionSet set) 
   return baseline::stencil_kernel();
 }
 
+Stencils::Stencils(fluid::InstructionSet set) : kernel_(&stencil_kernel(set)) {}
+
 void Stencils::locate(std::span<const double> positions) {
   markers_.resize(positions.size() / 3);
   for (std::size_t m = 0; m < markers_.size(); ++m) {
@@ -46,16 +43,18 @@ void Stencils::locate(std::span<const double> positions) {
 
 void Stencils::spread(std::span<const double> force, fluid::Patch& patch, int period) const {
   auto& f = patch.force;
-  kernel().spread(markers_.data(), markers_.size(), force.data(),
+  kernel_->spread(markers_.data(), markers_.size(), force.data(),
                   field_of<double>(patch, {f[0].data(), f[1].data(), f[2].data()}), period);
 }
 
 void Stencils::interpolate(const fluid::Patch& patch, int period, std::span<double> partial) const {
   const auto& u = patch.velocity;
-  kernel().interpolate(markers_.data(), markers_.size(),
+  kernel_->interpolate(markers_.data(), markers_.size(),
                        field_of<const double>(patch, {u[0].data(), u[1].data(), u[2].data()}),
                        period, partial.data());
 }
+
+MarkerResponse::MarkerResponse(fluid::InstructionSet set) : kernel_(&stencil_kernel(set)) {}
 
 void MarkerResponse::locate(std::span<const double> positions) {
   const std::size_t count = positions.size() / 3;
@@ -88,7 +87,7 @@ void MarkerResponse::locate(std::span<const double> positions) {
 
 void MarkerResponse::apply(std::span<const double> force, std::span<double> velocity) const {
   std::fill(grid_.begin(), grid_.end(), 0.0);
-  kernel().respond(markers_.data(), markers_.size(), size_.data(), force.data(), grid_.data(),
+  kernel_->respond(markers_.data(), markers_.size(), size_.data(), force.data(), grid_.data(),
                    velocity.data());
 }
 

@@ -48,8 +48,9 @@ struct BenchResult {
   std::vector<BenchTable> tables;
 };
 
-/// Of 90 nodes and the usual repeats, under a minute. Collective; the result is rank 0's.
-/// Throws InputError, on every rank, if four such fluids exceed the machine's memory.
+/// Of 90 nodes and the usual repeats, some two minutes. Collective; the result is rank 0's.
+/// Throws InputError, on every rank, if the fluids that are there at a time exceed the memory of
+/// rank 0's machine, or if there are more ranks than planes of nodes.
 BenchResult measure(const BenchOptions& options, MPI_Comm comm);
 
 std::string table(const BenchResult& result);
@@ -62,6 +63,9 @@ struct KnownSpeed {
   double single_precision = 0;
 };
 
+/// Whether the result may stand for the machine: of the default lattice, and of no more ranks than
+/// cores.
+bool is_representative(const BenchResult& result);
 /// Keeps the speed for known_speed(), in `ductile/bench.toml` under $XDG_CACHE_HOME or ~/.cache;
 /// gives the file's path, or nothing if it could not be written.
 std::optional<std::string> keep_speed(const BenchResult& result);

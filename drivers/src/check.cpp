@@ -290,6 +290,13 @@ bool is_symmetric(const membrane::Mesh& mesh) {
 
 void check_symmetry(const Scenario& scenario, const LatticeSetup& setup) {
   if (scenario.channel.symmetry == Symmetry::none) return;
+  const int least = scenario.channel.walls == fluid::Boundary::regularized ? 4 : 2;
+  if (setup.nodes[1] < least) {
+    throw ScenarioError("channel.symmetry",
+                        fmt::format("leaves {} node{} along y, at least {} are needed: use more "
+                                    "channel.nodes, or set it to \"none\"",
+                                    setup.nodes[1], setup.nodes[1] == 1 ? "" : "s", least));
+  }
   for (std::size_t i = 0; i < scenario.bodies.size(); ++i) {
     const BodySetup& body = setup.bodies[i];
     membrane::Mesh mesh = scenario.bodies[i].shape == BodyShape::biconcave
@@ -532,6 +539,7 @@ std::string report(const Scenario& scenario, const LatticeSetup& setup, int core
                             to == Gap::To::wall ? "wall" : "body"));
   }
   line("memory", size(population_bytes(scenario, setup)) + " of populations");
+  if (known) cores = std::min(cores, known->ranks);  // more were not measured
   const double speed = expected_speed(scenario, cores, known);
   line("duration",
        fmt::format(

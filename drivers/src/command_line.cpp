@@ -258,8 +258,10 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
       ->check(CLI::Range(1, 1000));
   bench->add_flag("--json", command.bench.json, "Print JSON, with every repeat");
   bench->footer(
-      "Takes about a minute; run it under mpirun, on a machine that does nothing else. Keeps the\n"
-      "speed of the run with two capsules, from which `ductile check` estimates durations.");
+      "Takes some two minutes; run it under mpirun, on a machine that does nothing else. With the\n"
+      "default --nodes it keeps the speed of the run with two capsules, from which `ductile "
+      "check`\n"
+      "estimates durations.");
 
   CLI::App* keys = app.add_subcommand(
       "keys", "All keys of a scenario file: default, type, bounds, unit and meaning");

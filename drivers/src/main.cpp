@@ -162,7 +162,11 @@ int run_bench(const BenchOptions& options, MPI_Comm comm) {
     const BenchResult result = measure(options, comm);
     if (rank != 0) return exit_success;
     std::fputs((options.json ? json(result) : table(result)).c_str(), stdout);
-    if (const auto file = keep_speed(result)) {
+    if (!is_representative(result)) {
+      fmt::print(stderr,
+                 "not kept for `ductile check`: that takes the default --nodes, and no more "
+                 "ranks than cores\n");
+    } else if (const auto file = keep_speed(result)) {
       fmt::print(stderr, "kept for `ductile check` in {}\n", *file);
     } else {
       fmt::print(stderr, "warning: the speed could not be kept for `ductile check`\n");

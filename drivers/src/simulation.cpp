@@ -514,7 +514,7 @@ RunResult Simulation::run(const RunOptions& options) {
                                                      : RunStatus::finished;
     return finish(status, std::nullopt);
   } catch (const coupling::BodyFailure& failure) {
-    if (fluid_.time() == 0) report_unread_options();
+    if (failure.step() == 0) report_unread_options();
     return blew_up({failure.step(), scenario_.bodies[static_cast<std::size_t>(failure.body())].name,
                     failure.marker(), failure.reason()});
   } catch (const FluidBlowUp& failure) {
@@ -524,6 +524,7 @@ RunResult Simulation::run(const RunOptions& options) {
 
 RunResult Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up) {
   const double wall_time = Progress::steady_seconds() - start_;
+  const std::int64_t steps = blow_up ? blow_up->step : fluid_.time();  // completed
   std::optional<RunProfile> times;
   if (profiled_) times = gathered(coupler_.profile(), wall_time, comm_);
   const std::vector<membrane::SolveStatistics> spent = solvers();
@@ -537,11 +538,11 @@ RunResult Simulation::finish(RunStatus status, std::optional<BlowUp> blow_up) {
       summary.status = RunStatus::time_limit;
     }
     summary.blow_up = std::move(blow_up);
-    summary.time = time();
-    summary.steps = fluid_.time();
+    summary.time = setup_.time(steps);
+    summary.steps = steps;
     summary.wall_time = wall_time;
     summary.updates_per_second =
-        static_cast<double>(setup_.node_count()) * static_cast<double>(fluid_.time()) / wall_time;
+        static_cast<double>(setup_.node_count()) * static_cast<double>(steps) / wall_time;
     summary.ranks = ranks_;
     summary.profile = std::move(times);
     summary.versions = versions();

@@ -22,7 +22,8 @@ struct BodySetup {
 
 /// What a scenario is in lattice units.
 ///
-/// Node (i, j, k) sits at (i, j, k). The channel's axis is at x = (nx - 1)/2, y = (ny - 1)/2; the
+/// Node (i, j, k) sits at (i, j, k). The channel's axis is at x = (nx - 1)/2, y = (ny - 1)/2, but
+/// see below; the
 /// scenario's z = 0 is at nz/2. Half-way walls lie at -1/2 and N - 1/2, so that 2W = N; regularized
 /// ones on nodes 0 and N - 1, so that 2W = N - 1.
 ///

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <type_traits>
 
 #include "ductile/fluid/d3q19.hpp"
 #include "fluid_impl.hpp"
@@ -234,7 +233,8 @@ void Populations<Real>::step() {
       collide_row(row, x, y);
       depart(row, x, y);
     }
-    for (; sent < parts && part_ends_[static_cast<std::size_t>(sent)] < x; ++sent) halo_.send(sent);
+    for (; sent < parts && part_ends_[static_cast<std::size_t>(sent)] <= x; ++sent)
+      halo_.send(sent);
     halo_.progress();
   }
   for (; sent < parts; ++sent) halo_.send(sent);
@@ -268,7 +268,7 @@ void Populations<Real>::drive_wall(int x, int y, int begin, int end, std::size_t
     // A link that crosses walls of two axes belongs to the first axis.
     const std::array<int, 3> origin = {x - v[0], y - v[1], 0};
     bool mine = true;
-    for (std::size_t first = 0; first < std::min<std::size_t>(axis, 2); ++first) {
+    for (std::size_t first = 0; first < axis; ++first) {
       const bool through_mirror =
           first == 1 && options_.mirror != Mirror::none && origin[first] < 0;
       const bool outside =

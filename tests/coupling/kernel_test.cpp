@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <functional>
 #include <random>
 
@@ -127,6 +128,40 @@ TEST(ImmersedBoundary, SpreadIsAdjointOfInterpolate) {
                   1e-12);
     }
     EXPECT_NEAR(markers_side, nodes_side, 1e-13 * size);
+  }
+}
+
+// What a lesser machine would run gives the same bits.
+TEST(ImmersedBoundary, IsTheSameWithEachInstructionSet) {
+  constexpr std::size_t markers = 100;
+  const std::vector<double> x = random_numbers(3 * markers, 1.0, 8.0, 12);
+  const std::vector<double> force = random_numbers(3 * markers, -1, 1, 13);
+  fluid::Patch expected = patch_of({10, 10, 12});
+  std::vector<double> expected_partial;
+  std::vector<double> expected_response;
+  for (const auto set : {fluid::InstructionSet::baseline, fluid::InstructionSet::avx2,
+                         fluid::InstructionSet::avx512}) {
+    if (!fluid::available(set)) continue;
+    fluid::Patch patch = patch_of({10, 10, 12});
+    Stencils stencils(set);
+    stencils.locate(x);
+    stencils.spread(force, patch, 0);
+    patch.velocity = patch.force;
+    std::vector<double> partial(12 * markers, 0.0);
+    stencils.interpolate(patch, 0, partial);
+    MarkerResponse response(set);
+    response.locate(x);
+    std::vector<double> velocity(3 * markers);
+    response.apply(force, velocity);
+    if (set == fluid::InstructionSet::baseline) {
+      expected = patch;
+      expected_partial = partial;
+      expected_response = velocity;
+      EXPECT_GT(*std::max_element(velocity.begin(), velocity.end()), 0);
+    }
+    EXPECT_EQ(patch.force, expected.force);
+    EXPECT_EQ(partial, expected_partial);
+    EXPECT_EQ(velocity, expected_response);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -77,7 +78,6 @@ TEST_F(Program, WrongInputEndsWithTwoOneLineAndNothingWritten) {
   }
 }
 
-// A membrane far too stiff for the explicit scheme: what was computed stays, and is named.
 // A small bench on two ranks: the table, JSON that can be read, and what `check` makes of it.
 TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   const std::string launch =
@@ -91,8 +91,14 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
         "fluid, walls on nodes", "2 ranks are", "of the fluid alone", "spreading"}) {
     EXPECT_NE(table.output.find(part), std::string::npos) << part << " not in\n" << table.output;
   }
+  EXPECT_NE(table.errors.find("not kept"), std::string::npos) << table.errors;
+  std::array<char, 256> host{};
+  ASSERT_EQ(gethostname(host.data(), host.size() - 1), 0);
+  fs::create_directories(work() / "cache" / "ductile");
+  std::ofstream(work() / "cache" / "ductile" / "bench.toml")
+      << "machine = \"" << host.data() << "\"\nranks = 1\ndouble = 1e8\nsingle = 2e8\n";
   const Outcome known = run("check " + quickstart, "XDG_CACHE_HOME=cache ");
-  EXPECT_NE(known.output.find("as `ductile bench` has found here"), std::string::npos)
+  EXPECT_NE(known.output.find("1 core, at 200 million updates a second, as"), std::string::npos)
       << known.output;
   const Outcome json = run("bench --nodes 24 --repeats 1 --json", launch);
   EXPECT_EQ(json.exit_code, 0) << json.errors;
@@ -107,6 +113,7 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   EXPECT_NE(wrong.errors.find("24 to 400"), std::string::npos) << wrong.errors;
 }
 
+// A membrane far too stiff for the explicit scheme: what was computed stays, and is named.
 TEST_F(Program, BlowUpEndsWithThreeAndLeavesWhatWasComputed) {
   for (const std::string launch : {"", "mpirun --quiet --bind-to none --oversubscribe -n 2 "}) {
     const Outcome outcome = run("run " DUCTILE_SCENARIO_DIR
@@ -125,6 +132,22 @@ TEST_F(Program, BlowUpEndsWithThreeAndLeavesWhatWasComputed) {
     EXPECT_TRUE(fs::exists(work() / "out/run.h5"));
     EXPECT_TRUE(fs::exists(work() / "out/trajectory.png"));
   }
+}
+
+// A body that fails in the very first step: no step is complete, and an option that might have
+// helped had it been spelt right is named.
+TEST_F(Program, AFailureInTheFirstStepStillNamesUnreadOptions) {
+  const Outcome outcome = run(
+      "run " DUCTILE_SCENARIO_DIR
+      "/quickstart.toml --set membrane.integrator=implicit --set body.lead.laplace=1e7 "
+      "--petsc \"-membrane_snes_max_it 1 -membrane_snes_max_its 50\" --set membrane.step_cuts=0 "
+      "-o out");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("blew up at step 0 (t = 0)"), std::string::npos) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("membrane_snes_max_its: nothing in this run reads"),
+            std::string::npos)
+      << outcome.errors;
+  EXPECT_NE(contents(work() / "out/summary.json").find("\"steps\": 0"), std::string::npos);
 }
 
 // The same comparison on 1 and 2 ranks: each run is an ordinary one, and leaves what `run` does.

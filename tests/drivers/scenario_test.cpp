@@ -398,6 +398,10 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[channel]\nsymmetry = \"y\"\ngravity = [1, 2, 3]\n",
        "case.toml:3:11: channel.gravity = [1, 2, 3]: must be 0 along y where "
        "channel.symmetry = \"y\": set that to \"none\""},
+      {"[channel]\nnodes = 17\nwalls = \"regularized\"\nhalf_width_y = 0.3\nsymmetry = \"y\"\n",
+       "case.toml:5:12: channel.symmetry = \"y\": leaves 3 nodes along y, at least 4 are needed: "
+       "use "
+       "more channel.nodes, or set it to \"none\""},
       {"[channel]\nsymmetry = \"y\"\n" + capsule + "y = 0.1\n",
        "case.toml:6:5: body.a.y = 0.1: must be 0 where channel.symmetry = \"y\": put the body on "
        "the plane of symmetry, or set channel.symmetry = \"none\""},

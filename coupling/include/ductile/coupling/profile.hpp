@@ -12,7 +12,7 @@ namespace ductile::coupling {
 /// The parts of a time step. Each moment of Coupler::step() belongs to one of them.
 enum class Part : std::size_t {
   fluid,          ///< collision, streaming, and the exchange of halos
-  boxes,          ///< density and velocity in the boxes around bodies; laying boxes anew
+  boxes,          ///< velocities for bodies that ask for them; laying boxes anew
   locating,       ///< which markers reach which ranks, and their kernel weights
   interpolation,  ///< eq. (15)
   bodies,         ///< the bodies' own work: predict_force, correct_force, advance

@@ -9,12 +9,17 @@
 #include "ductile/coupling/body.hpp"
 #include "ductile/coupling/marker.hpp"
 #include "ductile/fluid/fluid.hpp"
+#include "ductile/fluid/instruction_set.hpp"
 
 namespace ductile::coupling {
+
+struct StencilKernel;
 
 /// Where the markers of a body meet the lattice: the stencil of each, kept for a time step.
 class Stencils {
  public:
+  /// `set` must be available; results do not depend on it.
+  explicit Stencils(fluid::InstructionSet set = fluid::best_instruction_set());
   /// Positions: 3n numbers.
   void locate(std::span<const double> positions);
   [[nodiscard]] std::size_t size() const { return markers_.size(); }
@@ -29,6 +34,7 @@ class Stencils {
   [[nodiscard]] const StencilMarker& operator[](std::size_t m) const { return markers_[m]; }
 
  private:
+  const StencilKernel* kernel_;
   std::vector<StencilMarker> markers_;
 };
 
@@ -38,11 +44,13 @@ class Stencils {
 /// one.
 class MarkerResponse final : public Response {
  public:
+  explicit MarkerResponse(fluid::InstructionSet set = fluid::best_instruction_set());
   /// Where the markers are until the next call; 3n numbers, not kept.
   void locate(std::span<const double> positions);
   void apply(std::span<const double> force, std::span<double> velocity) const override;
 
  private:
+  const StencilKernel* kernel_;
   std::vector<ResponseMarker> markers_;
   std::array<std::size_t, 3> size_{};
   mutable std::vector<double> grid_;  // scratch around the markers, x y z and a gap at each node

@@ -152,7 +152,7 @@ class Fluid {
   /// Sets the populations of every own node to equilibrium plus the first-order non-equilibrium
   /// part of the state's gradient, w_i rho (-tau/c_s^2)(c c - c_s^2 1):grad u, less half of Guo's
   /// forcing term, as in a slowly varying flow. `state` is called with own nodes (i, j, k), and is
-  /// symmetric where a mirror plane lies on them; time is reset to 0.
+  /// symmetric where a mirror plane lies on them; time is reset to 0. Collective.
   void initialise(const std::function<NodeState(int, int, int)>& state);
 
   /// Replaces the boxes by these, which must be disjoint, inside domain() and hold the images of
