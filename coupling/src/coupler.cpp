@@ -6,10 +6,10 @@
 #include <chrono>
 #include <climits>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <utility>
 
+#include "ductile/coupling/kernel.hpp"
 #include "ductile/coupling/stencils.hpp"
 #include "layout.hpp"
 
@@ -60,7 +60,7 @@ struct Route {
 struct Guest {
   int id = 0;
   int owner = 0;
-  std::vector<double> data;  // positions, then forces
+  std::vector<double> data;  // positions, where they are sent, and forces after them
   Stencils stencils;
   std::vector<double> partial;
   std::vector<double> buffer;
@@ -126,7 +126,7 @@ class Coupler::Impl {
   }
   template <class F>
   void guarded(Host& host, const F& f);
-  void to_guests(int round, const std::function<std::span<const double>(const Host&)>& source);
+  void to_guests(int round, bool with_positions);
   void to_hosts(int round);
 
   fluid::Fluid& fluid_;
@@ -190,8 +190,8 @@ void Coupler::Impl::step() {
   watch_.start();
   time_ = fluid_.time();
   if (moved_out_) lay_out();
-  locate();
   predict_forces();
+  locate();
   spread(-1);                               // eq. (16)
   if (rounds_ > 0) fluid_.read_velocity();  // u0: eqs. (5) and (6) with the uniform force
   watch_.lap(Part::boxes);
@@ -417,16 +417,17 @@ void Coupler::Impl::lay_out() {
   }
 }
 
-// Owners send `source`, three numbers a marker, to the ranks that the markers reach.
-void Coupler::Impl::to_guests(int round,
-                              const std::function<std::span<const double>(const Host&)>& source) {
+// Owners send the forces of a round, and before them positions if they are new, to the ranks that
+// the markers reach: three numbers a marker each.
+void Coupler::Impl::to_guests(int round, bool with_positions) {
+  const std::size_t numbers = with_positions ? 6 : 3;
   std::vector<MPI_Request> requests;
   std::vector<std::pair<std::size_t, std::size_t>> receives;  // request, guest
   for (std::size_t g = 0; g < guests_.size(); ++g) {
     Guest& guest = guests_[g];
     if (!takes_part(guest.id, round) || guest.owner == rank_) continue;
     guest.data.resize(
-        3 * static_cast<std::size_t>(entries_[static_cast<std::size_t>(guest.id)].markers));
+        numbers * static_cast<std::size_t>(entries_[static_cast<std::size_t>(guest.id)].markers));
     receives.emplace_back(requests.size(), g);
     check(MPI_Irecv(guest.data.data(), static_cast<int>(guest.data.size()), MPI_DOUBLE, guest.owner,
                     guest.id, comm_, &requests.emplace_back()),
@@ -441,12 +442,15 @@ void Coupler::Impl::to_guests(int round,
                   return guest.id == host.id;
                 })->data;
     }
-    const std::span<const double> values = source(host);
-    buffer->resize(3 * route.markers.size());
-    for (std::size_t n = 0; n < route.markers.size(); ++n) {
-      const double* from = &values[3 * static_cast<std::size_t>(route.markers[n])];
-      std::copy(from, from + 3, &(*buffer)[3 * n]);
-    }
+    buffer->resize(numbers * route.markers.size());
+    double* to = buffer->data();
+    const auto pack = [&](std::span<const double> values) {
+      for (const int m : route.markers) {
+        to = std::copy_n(&values[3 * static_cast<std::size_t>(m)], 3, to);
+      }
+    };
+    if (with_positions) pack(host.body->positions());
+    pack(host.force);
     if (route.rank == rank_) continue;
     check(MPI_Isend(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
                     route.rank, host.id, comm_, &requests.emplace_back()),
@@ -470,7 +474,7 @@ void Coupler::Impl::locate() {
     const std::span<const double> x = host.body->positions();
     host.planes.resize(x.size() / 3);
     for (std::size_t m = 0; m < host.planes.size(); ++m) {
-      host.planes[m] = static_cast<int>(std::floor(x[3 * m + 2])) - 1;
+      host.planes[m] = floor_of(x[3 * m + 2]) - 1;
     }
   }
   for (Route& route : routes_) {
@@ -485,18 +489,24 @@ void Coupler::Impl::locate() {
     }
   }
   watch_.lap(Part::locating);
-  to_guests(-1, [](const Host& host) { return host.body->positions(); });
-  for (Guest& guest : guests_) guest.stencils.locate(guest.data);
+  to_guests(-1, true);
+  for (Guest& guest : guests_) {
+    guest.stencils.locate(std::span(guest.data).first(guest.data.size() / 2));
+  }
   watch_.lap(Part::locating);
 }
 
+// With the positions the first round's forces have come too.
 void Coupler::Impl::spread(int round) {
-  to_guests(round, [](const Host& host) { return std::span<const double>(host.force); });
+  if (round >= 0) to_guests(round, false);
   for (const Guest& guest : guests_) {
     if (!takes_part(guest.id, round)) continue;
     const int box = entries_[static_cast<std::size_t>(guest.id)].merged;
     for (fluid::Patch& patch : fluid_.patches()) {
-      if (patch.box == box) guest.stencils.spread(guest.data, patch, period_);
+      if (patch.box == box) {
+        guest.stencils.spread(std::span(guest.data).last(3 * guest.stencils.size()), patch,
+                              period_);
+      }
     }
   }
   watch_.lap(Part::spreading);

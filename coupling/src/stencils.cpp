@@ -61,7 +61,7 @@ void MarkerResponse::locate(std::span<const double> positions) {
   std::array<int, 3> low{};
   std::array<int, 3> high{};
   for (std::size_t n = 0; n < positions.size(); ++n) {
-    const int base = static_cast<int>(std::floor(positions[n])) - 1;
+    const int base = floor_of(positions[n]) - 1;
     low[n % 3] = n < 3 ? base : std::min(low[n % 3], base);
     high[n % 3] = n < 3 ? base : std::max(high[n % 3], base);
   }

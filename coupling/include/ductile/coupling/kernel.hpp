@@ -15,6 +15,12 @@ inline double phi(double r) {
   return 0.125 * (5 - 2 * r - std::sqrt(std::max(0.0, -7 + 12 * r - 4 * r * r)));
 }
 
+/// The largest integer that does not exceed x; |x| < 2^31. No call, on any instruction set.
+inline int floor_of(double x) {
+  const int n = static_cast<int>(x);
+  return x < n ? n - 1 : n;
+}
+
 /// The four nodes `base` .. `base` + 3 that a coordinate reaches, and phi at each.
 struct Weights {
   int base;
@@ -24,10 +30,10 @@ struct Weights {
 /// All four values of phi share one square root: with r the distance to the node below,
 /// s = sqrt(1 + 4 r - 4 r^2) serves eq. (17) at 1 + r, r, 1 - r and 2 - r.
 inline Weights weights(double x) {
-  const double node = std::floor(x);
+  const int node = floor_of(x);
   const double r = x - node;
   const double s = std::sqrt(std::max(0.0, 1 + 4 * r - 4 * r * r));
-  return {static_cast<int>(node) - 1,
+  return {node - 1,
           {0.125 * (3 - 2 * r - s), 0.125 * (3 - 2 * r + s), 0.125 * (1 + 2 * r + s),
            0.125 * (1 + 2 * r - s)}};
 }
