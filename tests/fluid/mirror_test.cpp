@@ -17,7 +17,7 @@ constexpr int nz = 13;
 struct Pair {
   Options whole;
   Options half;
-  int first_row;
+  int first_row = 0;
 };
 
 Pair pair_of(Mirror mirror, Boundary walls_x, Boundary walls_y, Boundary ends) {
