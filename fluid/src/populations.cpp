@@ -71,6 +71,7 @@ class Populations final : public FluidImpl {
   void for_crossing(const Row<Real>& row, int x, int y, int side, Visit&& visit);
   void arrive(const Row<Real>& row, int x, int y);
   void depart(const Row<Real>& row, int x, int y);
+  void fetch_ends(int x, int y);
   void collide_row(const Row<Real>& row, int x, int y);
   // The row's populations complete, as of now.
   Row<Real> complete_row(int x, int y);
@@ -161,6 +162,25 @@ void Populations<Real>::arrive(const Row<Real>& row, int x, int y) {
   }
 }
 
+// Between two steps the sweep has driven all that is exchanged out of the cache, and nothing but
+// this tells the processor where a row will look for it next.
+template <class Real>
+void Populations<Real>::fetch_ends(int x, int y) {
+  const Row<Real> row = slab_of_.row(x, y, odd());
+  const auto& slots = slots_[odd() ? 1 : 0];
+  const std::size_t later = std::min(column(x, y) + 8, slots.size() - 1);
+  __builtin_prefetch(&slots[later]);
+  for (int side = 0; side < 2; ++side) {
+    const Real* arrivals = halo_.arrivals(side);
+    Real* departures = halo_.exists(side) ? halo_.departures(side) : nullptr;
+    for_crossing(row, x, y, side, [&](Real* place, int slot, int) {
+      __builtin_prefetch(place, 1);
+      if (arrivals != nullptr) __builtin_prefetch(arrivals + slot);
+      if (departures != nullptr) __builtin_prefetch(departures + slot, 1);
+    });
+  }
+}
+
 template <class Real>
 void Populations<Real>::depart(const Row<Real>& row, int x, int y) {
   for (int side = 0; side < 2; ++side) {
@@ -208,7 +228,7 @@ void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
 }
 
 // What arrives for a row is needed from the rows next to it in x, and what departs is complete with
-// them. The row's own ends are laid one row ahead.
+// them. The row's own ends are laid one row ahead, and fetched into the cache two rows ahead.
 template <class Real>
 void Populations<Real>::step() {
   drop_image_force();
@@ -226,9 +246,9 @@ void Populations<Real>::step() {
     }
     if (x == 0) arrive(slab_of_.row(0, 0, odd()), 0, 0);
     for (int y = 0; y < ny_; ++y) {
-      const int next_x = y + 1 < ny_ ? x : x + 1;
-      const int next_y = y + 1 < ny_ ? y + 1 : 0;
-      if (next_x < nx_) arrive(slab_of_.row(next_x, next_y, odd()), next_x, next_y);
+      const int n = x * ny_ + y;
+      if (n + 2 < nx_ * ny_) fetch_ends((n + 2) / ny_, (n + 2) % ny_);
+      if (n + 1 < nx_ * ny_) complete_row((n + 1) / ny_, (n + 1) % ny_);
       const Row<Real> row = slab_of_.row(x, y, odd());
       collide_row(row, x, y);
       depart(row, x, y);
