@@ -46,8 +46,7 @@ install_missing() {
 
 # Configures once, and lets ninja see whether a target is up to date.
 make_target() {
-  # Configured by an earlier version, the build was for this machine alone.
-  if [ ! -f "$build/build.ninja" ] || grep -qs '^DUCTILE_NATIVE:BOOL=ON' "$build/CMakeCache.txt"; then
+  if [ ! -f "$build/build.ninja" ]; then
     say "configuring in build/"
     (cd "$top" && cmake --preset release) >"$top/.configure.log" 2>&1 ||
       { cat "$top/.configure.log" >&2; rm -f "$top/.configure.log"; exit 1; }

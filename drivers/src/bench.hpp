@@ -48,7 +48,7 @@ struct BenchResult {
   std::vector<BenchTable> tables;
 };
 
-/// Of 90 nodes and the usual repeats, some two minutes. Collective; the result is rank 0's.
+/// Of 90 nodes and the usual repeats, one to two minutes. Collective; the result is rank 0's.
 /// Throws InputError, on every rank, if the fluids that are there at a time exceed the memory of
 /// rank 0's machine, or if there are more ranks than planes of nodes.
 BenchResult measure(const BenchOptions& options, MPI_Comm comm);

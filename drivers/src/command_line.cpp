@@ -258,10 +258,9 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
       ->check(CLI::Range(1, 1000));
   bench->add_flag("--json", command.bench.json, "Print JSON, with every repeat");
   bench->footer(
-      "Takes some two minutes; run it under mpirun, on a machine that does nothing else. With the\n"
-      "default --nodes it keeps the speed of the run with two capsules, from which `ductile "
-      "check`\n"
-      "estimates durations.");
+      "Takes one to two minutes; run it under mpirun, on a machine that does nothing else. With\n"
+      "the default --nodes it keeps the speed of the run with two capsules, from which\n"
+      "`ductile check` estimates durations.");
 
   CLI::App* keys = app.add_subcommand(
       "keys", "All keys of a scenario file: default, type, bounds, unit and meaning");
