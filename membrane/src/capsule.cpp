@@ -71,8 +71,8 @@ BlowUp::BlowUp(Reason reason, int vertex, double displacement)
       vertex_(vertex),
       displacement_(displacement) {}
 
-Capsule::Capsule(const Mesh& reference, std::span<const Vector3d> positions, const Moduli& moduli,
-                 const CapsuleOptions& options)
+Capsule::Capsule(const surface::Mesh& reference, std::span<const Vector3d> positions,
+                 const Moduli& moduli, const CapsuleOptions& options)
     : shell_(reference, moduli),
       state_{shell_.create_vec(), shell_.create_vec(), shell_.create_vec()},
       mobility_(shell_.create_vec()),

@@ -37,7 +37,7 @@ std::string quoted(const std::array<int, 3>& triangle) {
          std::to_string(triangle[2]) + ")";
 }
 
-void validate(const Mesh& mesh) {
+void validate(const surface::Mesh& mesh) {
   if (mesh.triangles.empty()) throw std::invalid_argument("shell: the mesh has no triangles");
   const auto vertex_count = static_cast<int>(mesh.vertices.size());
   std::vector<bool> used(mesh.vertices.size());
@@ -59,7 +59,7 @@ void validate(const Mesh& mesh) {
 
 }  // namespace
 
-Shell::Shell(const Mesh& reference, const Moduli& moduli, const ShellOptions& options)
+Shell::Shell(const surface::Mesh& reference, const Moduli& moduli, const ShellOptions& options)
     : vertex_count_(static_cast<int>(reference.vertices.size())),
       moduli_(moduli),
       triangles_(reference.triangles),
@@ -83,7 +83,7 @@ Shell::Shell(const Mesh& reference, const Moduli& moduli, const ShellOptions& op
       hinge.sin0 = theta0.sin;
     }
   }
-  vertex_areas_ = membrane::vertex_areas(reference);
+  vertex_areas_ = surface::vertex_areas(reference);
 
   if (options.open_sheet && moduli.k_v > 0) {
     throw std::invalid_argument("shell: an open sheet encloses no volume: k_v = " +
@@ -96,7 +96,7 @@ Shell::Shell(const Mesh& reference, const Moduli& moduli, const ShellOptions& op
   }
 }
 
-void Shell::build_elements(const Mesh& reference) {
+void Shell::build_elements(const surface::Mesh& reference) {
   elements_.reserve(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const auto& [v0, v1, v2] = triangles_[t];

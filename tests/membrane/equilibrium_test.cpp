@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "ductile/surface/biconcave.hpp"
 #include "membrane/support.hpp"
 
 namespace ductile::membrane {
@@ -116,7 +117,7 @@ TEST(Equilibrium, SphereUnderPressureInflatesToTheExactRadiusAtOrderTwo) {
 }
 
 TEST(Equilibrium, PerturbedCellReturnsToItsReferenceShape) {
-  const Mesh mesh = biconcave(3, 3);
+  const Mesh mesh = surface::Biconcave(3).mesh(3);
   const Shell shell(mesh, {.k_s = 1, .k_a = 5, .k_b = .1, .k_v = 2});
   test::Random random;
   const Points start =
@@ -199,7 +200,7 @@ TEST(Equilibrium, CountsTheNegativeEigenvaluesOfTheWholeTangent) {
 }
 
 TEST(Equilibrium, ShellAtRestNeedsNoStep) {
-  const Mesh mesh = biconcave(3, 3);
+  const Mesh mesh = surface::Biconcave(3).mesh(3);
   const Shell shell(mesh, {.k_s = 1, .k_a = 2, .k_b = .1, .k_v = 2});
   const Solution solution =
       solve(shell, Points(mesh.vertices.size(), Vector3d::Zero()), mesh.vertices);

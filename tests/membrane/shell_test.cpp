@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ductile/surface/biconcave.hpp"
 #include "membrane/support.hpp"
 
 namespace ductile::membrane {
@@ -25,7 +26,7 @@ struct Case {
 };
 class EachTerm : public testing::TestWithParam<Case> {
  protected:
-  const Mesh reference_ = biconcave(4, 1);
+  const Mesh reference_ = surface::Biconcave(1).mesh(4);
   const Shell shell_{reference_, GetParam().moduli, GetParam().options};
   test::Random random_;
   const Points x_ = test::perturbed(reference_.vertices, .05 * mean_edge(reference_), random_);
@@ -90,7 +91,7 @@ TEST_P(EachTerm, TurnsWithTheFrame) {
 }
 
 TEST(Shell, RigidMotionCausesNoForce) {
-  const Mesh mesh = biconcave(8, 1);
+  const Mesh mesh = surface::Biconcave(1).mesh(8);
   test::Random random;
   for (const StrainLaw law : {StrainLaw::skalak, StrainLaw::neo_hookean}) {
     Moduli moduli = all_terms;

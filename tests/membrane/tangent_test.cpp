@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ductile/surface/biconcave.hpp"
 #include "membrane/support.hpp"
 
 namespace ductile::membrane {
@@ -69,7 +70,7 @@ struct Case {
 // Edges of about 1.
 Mesh reference(Form form, int frequency) {
   if (form == Form::sphere) return icosphere(frequency, frequency / 1.2);
-  if (form == Form::biconcave) return biconcave(frequency, frequency / 1.2);
+  if (form == Form::biconcave) return surface::Biconcave(frequency / 1.2).mesh(frequency);
   Mesh mesh;
   for (int i = 0; i <= 6; ++i) {
     for (int j = 0; j <= 5; ++j) mesh.vertices.emplace_back(i + .5 * j, .9 * j, 0);

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "ductile/membrane/integrator.hpp"
-#include "ductile/membrane/mesh.hpp"
 #include "ductile/membrane/shell.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace ductile::membrane {
 
@@ -59,8 +59,8 @@ class Capsule {
   /// reference. Throws std::invalid_argument as Shell does, and if `positions` does not fit
   /// `reference` or is not finite, for a negative mobility, and for a viscosity that is not
   /// positive where the mobility needs it.
-  Capsule(const Mesh& reference, std::span<const Eigen::Vector3d> positions, const Moduli& moduli,
-          const CapsuleOptions& options);
+  Capsule(const surface::Mesh& reference, std::span<const Eigen::Vector3d> positions,
+          const Moduli& moduli, const CapsuleOptions& options);
   // The integrator refers to the shell within.
   Capsule(const Capsule&) = delete;
   Capsule& operator=(const Capsule&) = delete;

@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "ductile/membrane/mesh.hpp"
 #include "ductile/membrane/petsc.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace ductile::membrane {
 
@@ -68,7 +68,7 @@ class Shell {
  public:
   /// Throws std::invalid_argument for a negative modulus, a mesh that is not closed (unless
   /// `open_sheet`) or not consistently oriented or inside out, or a degenerate triangle, naming it.
-  Shell(const Mesh& reference, const Moduli& moduli, const ShellOptions& options = {});
+  Shell(const surface::Mesh& reference, const Moduli& moduli, const ShellOptions& options = {});
 
   [[nodiscard]] int vertex_count() const { return vertex_count_; }
   [[nodiscard]] const Moduli& moduli() const { return moduli_; }
@@ -123,7 +123,7 @@ class Shell {
   // Where blocks go in the tangent (shell_tangent.cpp).
   struct TangentPattern;
 
-  void build_elements(const Mesh& reference);
+  void build_elements(const surface::Mesh& reference);
   void build_hinges(const ShellOptions& options);
   // Fills normals_ and inverse_norms_; returns the enclosed volume.
   double update_normals(const double* x) const;

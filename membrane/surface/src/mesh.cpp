@@ -1,4 +1,4 @@
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace ductile::membrane {
+namespace ductile::surface {
 namespace {
 
 using Eigen::Vector3d;
@@ -111,17 +111,6 @@ Mesh icosphere(int frequency, double radius) {
   return mesh;
 }
 
-Mesh biconcave(int frequency, double radius) {
-  Mesh mesh = icosphere(frequency, radius);
-  for (Vector3d& x : mesh.vertices) {
-    const double r2 = (x[0] * x[0] + x[1] * x[1]) / (radius * radius);
-    x[0] *= 1.2;
-    x[1] *= 1.2;
-    x[2] *= 0.6 * (0.207 + 2 * r2 - 1.123 * r2 * r2);
-  }
-  return mesh;
-}
-
 double mean_edge(const Mesh& mesh) {
   double sum = 0;  // every edge twice
   for (const auto& triangle : mesh.triangles) {
@@ -175,4 +164,4 @@ void place(Mesh& mesh, const Eigen::Matrix3d& rotation, const Vector3d& centre) 
   for (Vector3d& x : mesh.vertices) x = rotation * x + centre;
 }
 
-}  // namespace ductile::membrane
+}  // namespace ductile::surface

@@ -1,11 +1,11 @@
-// Closed triangle meshes of capsules and their geometry.
+// Closed triangle meshes and their geometry.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <vector>
 
-namespace ductile::membrane {
+namespace ductile::surface {
 
 /// A closed surface of triangles, normals outward (vertices counter-clockwise seen from outside).
 struct Mesh {
@@ -21,13 +21,20 @@ struct Mesh {
 /// int, or if radius <= 0.
 Mesh icosphere(int frequency, double radius);
 
-/// Biconcave cell of the paper's eq. (18): the icosphere of `radius` a, transformed; V = 2.7154735
-/// a^3, A = 12.6200173 a^2 in the limit of fine meshes. The dimple axis is z. The origin is the
-/// centre. Throws as icosphere().
-Mesh biconcave(int frequency, double radius);
+/// Triangles of the icosphere of `frequency` n: 20 n^2.
+constexpr long long triangle_count(int frequency) {
+  return 20LL * frequency * frequency;
+}
+/// Vertices of the icosphere of `frequency` n: 10 n^2 + 2.
+constexpr long long vertex_count(int frequency) {
+  return 10LL * frequency * frequency + 2;
+}
+/// Mean length of the edges of icosphere(n, radius), to about 3% from n = 3 on: 1.2085 radius/n.
+constexpr double icosphere_edge(double radius, int frequency) {
+  return 1.2085 * radius / frequency;
+}
 
-/// Mean length of the edges of a closed mesh; that of icosphere(n, radius) is about
-/// 1.2085 radius/n.
+/// Mean length of the edges of a closed mesh.
 double mean_edge(const Mesh& mesh);
 
 /// The frequency n of the icosphere of `radius` whose mean edge is nearest to `edge` (at least 2).
@@ -44,4 +51,4 @@ std::vector<double> vertex_areas(const Mesh& mesh);
 /// Applies x -> rotation x + centre to every vertex.
 void place(Mesh& mesh, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& centre);
 
-}  // namespace ductile::membrane
+}  // namespace ductile::surface
