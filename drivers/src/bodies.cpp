@@ -1,14 +1,16 @@
 #include "bodies.hpp"
 
 #include "adapters.hpp"
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/biconcave.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace ductile::drivers {
 namespace {
 
-membrane::Mesh unplaced_mesh(const BodyOptions& options, const BodySetup& setup) {
-  return options.shape == BodyShape::biconcave ? membrane::biconcave(setup.frequency, setup.radius)
-                                               : membrane::icosphere(setup.frequency, setup.radius);
+surface::Mesh unplaced_mesh(const BodyOptions& options, const BodySetup& setup) {
+  return options.shape == BodyShape::biconcave
+             ? surface::Biconcave(setup.radius).mesh(setup.frequency)
+             : surface::icosphere(setup.frequency, setup.radius);
 }
 
 class CapsuleBody final : public ImmersedBody {
@@ -49,9 +51,9 @@ class CapsuleBody final : public ImmersedBody {
   static std::unique_ptr<membrane::Capsule> make(const BodyOptions& options,
                                                  const LatticeSetup& lattice,
                                                  const BodySetup& setup) {
-    const membrane::Mesh reference = unplaced_mesh(options, setup);
-    membrane::Mesh placed = reference;
-    membrane::place(placed, setup.rotation, setup.centre);
+    const surface::Mesh reference = unplaced_mesh(options, setup);
+    surface::Mesh placed = reference;
+    surface::place(placed, setup.rotation, setup.centre);
     membrane::CapsuleOptions capsule;
     capsule.mobility = options.membrane.mobility;
     capsule.viscosity = lattice.nu;
@@ -94,8 +96,8 @@ class RigidBody final : public ImmersedBody {
  private:
   static rigid::Body make(const BodyOptions& options, const LatticeSetup& lattice,
                           const BodySetup& setup) {
-    const membrane::Mesh mesh =
-        membrane::icosphere(setup.frequency, setup.radius - options.rigid.retraction);
+    const surface::Mesh mesh =
+        surface::icosphere(setup.frequency, setup.radius - options.rigid.retraction);
     rigid::Options rigid;
     rigid.density_ratio = options.density_ratio;
     rigid.gravity = lattice.gravity;
@@ -105,7 +107,7 @@ class RigidBody final : public ImmersedBody {
     state.position = setup.centre;
     state.orientation = Eigen::Quaterniond(setup.rotation);
     const rigid::Solid ball = rigid::ball(setup.radius);
-    return {rigid::lined({mesh.vertices, membrane::vertex_areas(mesh)}, ball, rigid), ball, rigid,
+    return {rigid::lined({mesh.vertices, surface::vertex_areas(mesh)}, ball, rigid), ball, rigid,
             state};
   }
 

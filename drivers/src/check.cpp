@@ -15,7 +15,8 @@
 #include <string_view>
 #include <utility>
 
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/biconcave.hpp"
+#include "ductile/surface/mesh.hpp"
 #include "errors.hpp"
 #include "stability.hpp"
 
@@ -38,9 +39,9 @@ class Surface {
   Surface(const BodyOptions& options, const BodySetup& setup)
       : sphere_(options.shape == BodyShape::sphere), setup_(setup), reach_(setup.radius) {
     if (sphere_) return;
-    membrane::Mesh mesh = membrane::biconcave(sample_frequency, setup.radius);
+    surface::Mesh mesh = surface::Biconcave(setup.radius).mesh(sample_frequency);
     for (const Eigen::Vector3d& vertex : mesh.vertices) reach_ = std::max(reach_, vertex.norm());
-    membrane::place(mesh, setup.rotation, setup.centre);
+    surface::place(mesh, setup.rotation, setup.centre);
     points_ = std::move(mesh.vertices);
   }
 
@@ -251,7 +252,7 @@ void check_geometry(const Scenario& scenario, const LatticeSetup& setup) {
 namespace {
 
 /// Of each vertex of a mesh its mirror image about y = 0; nothing if one has none.
-std::optional<std::vector<int>> mirror_images(const membrane::Mesh& mesh) {
+std::optional<std::vector<int>> mirror_images(const surface::Mesh& mesh) {
   const auto& x = mesh.vertices;
   std::vector<int> by_x(x.size());
   std::iota(by_x.begin(), by_x.end(), 0);
@@ -271,7 +272,7 @@ std::optional<std::vector<int>> mirror_images(const membrane::Mesh& mesh) {
 }
 
 /// Whether a mesh of about unit size is its own mirror image about y = 0.
-bool is_symmetric(const membrane::Mesh& mesh) {
+bool is_symmetric(const surface::Mesh& mesh) {
   const auto images = mirror_images(mesh);
   if (!images) return false;
   const auto sorted = [](std::array<int, 3> triangle) {
@@ -299,10 +300,10 @@ void check_symmetry(const Scenario& scenario, const LatticeSetup& setup) {
   }
   for (std::size_t i = 0; i < scenario.bodies.size(); ++i) {
     const BodySetup& body = setup.bodies[i];
-    membrane::Mesh mesh = scenario.bodies[i].shape == BodyShape::biconcave
-                              ? membrane::biconcave(body.frequency, 1)
-                              : membrane::icosphere(body.frequency, 1);
-    membrane::place(mesh, body.rotation, Eigen::Vector3d::Zero());
+    surface::Mesh mesh = scenario.bodies[i].shape == BodyShape::biconcave
+                             ? surface::Biconcave(1).mesh(body.frequency)
+                             : surface::icosphere(body.frequency, 1);
+    surface::place(mesh, body.rotation, Eigen::Vector3d::Zero());
     if (is_symmetric(mesh)) continue;
     throw ScenarioError(
         "body." + scenario.bodies[i].name + ".rotation_axis",

@@ -16,8 +16,8 @@ namespace {
 // A slightly inflated sphere in a fluid that lets each vertex drift with its own force.
 void take_a_step(const MembraneOptions& options) {
   constexpr double drag = 0.1;
-  const membrane::Mesh reference = membrane::icosphere(2, 4);
-  const membrane::Mesh inflated = membrane::icosphere(2, 4.001);
+  const surface::Mesh reference = surface::icosphere(2, 4);
+  const surface::Mesh inflated = surface::icosphere(2, 4.001);
   membrane::CapsuleOptions capsule_options;
   capsule_options.viscosity = 1;
   capsule_options.integrator = membrane::make_integrator(options.integrator);

@@ -15,8 +15,9 @@
 
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/membrane/integrator.hpp"
-#include "ductile/membrane/mesh.hpp"
 #include "ductile/membrane/petsc.hpp"
+#include "ductile/surface/biconcave.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -73,7 +74,7 @@ bool any(const membrane::Moduli& moduli) {
 // The stiffness K = d2E/dx2 of a shell in its reference shape.
 class Stiffness {
  public:
-  Stiffness(const membrane::Mesh& mesh, const membrane::Moduli& moduli) {
+  Stiffness(const surface::Mesh& mesh, const membrane::Moduli& moduli) {
     const membrane::Shell shell(mesh, moduli);
     tangent_ = shell.create_tangent();
     gradient_ = shell.create_vec();
@@ -113,7 +114,7 @@ class Stiffness {
 // there.
 class Bath final : public coupling::Body {
  public:
-  Bath(const StabilityProblem& problem, const membrane::Mesh& mesh)
+  Bath(const StabilityProblem& problem, const surface::Mesh& mesh)
       : fluid_(MPI_COMM_SELF, options(problem, mesh)),
         positions_(placed(mesh, (fluid_.options().nodes[0] - 1) / 2.0)),
         force_(VectorXd::Zero(static_cast<Index>(positions_.size()))),
@@ -140,7 +141,7 @@ class Bath final : public coupling::Body {
   }
 
  private:
-  static fluid::Options options(const StabilityProblem& problem, const membrane::Mesh& mesh) {
+  static fluid::Options options(const StabilityProblem& problem, const surface::Mesh& mesh) {
     double reach = 0;
     for (const Vector3d& v : mesh.vertices) reach = std::max(reach, v.norm());
     const int nodes = 2 * static_cast<int>(std::ceil(reach + box_margin));
@@ -153,7 +154,7 @@ class Bath final : public coupling::Body {
   }
 
   // Centred half-way between nodes, so that the lattice's symmetries map the box onto itself.
-  static std::vector<double> placed(const membrane::Mesh& mesh, double centre) {
+  static std::vector<double> placed(const surface::Mesh& mesh, double centre) {
     std::vector<double> positions;
     for (const Vector3d& v : mesh.vertices) {
       for (const double x : v) positions.push_back(x + centre);
@@ -169,8 +170,8 @@ class Bath final : public coupling::Body {
 };
 
 // Area of each vertex, three times each.
-VectorXd masses(const membrane::Mesh& mesh) {
-  const std::vector<double> areas = membrane::vertex_areas(mesh);
+VectorXd masses(const surface::Mesh& mesh) {
+  const std::vector<double> areas = surface::vertex_areas(mesh);
   VectorXd mass(static_cast<Index>(3 * areas.size()));
   for (std::size_t i = 0; i < areas.size(); ++i)
     mass.segment<3>(static_cast<Index>(3 * i)).setConstant(areas[i]);
@@ -191,11 +192,11 @@ void legendre(double t, std::vector<double>& p, std::vector<double>& derivative)
   }
 }
 
-membrane::Mesh mesh_of(const StabilityProblem& problem) {
-  membrane::Mesh mesh = problem.shape == BodyShape::biconcave
-                            ? membrane::biconcave(problem.frequency, problem.radius)
-                            : membrane::icosphere(problem.frequency, problem.radius);
-  membrane::place(mesh, problem.rotation, Vector3d::Zero());
+surface::Mesh mesh_of(const StabilityProblem& problem) {
+  surface::Mesh mesh = problem.shape == BodyShape::biconcave
+                           ? surface::Biconcave(problem.radius).mesh(problem.frequency)
+                           : surface::icosphere(problem.frequency, problem.radius);
+  surface::place(mesh, problem.rotation, Vector3d::Zero());
   return mesh;
 }
 
@@ -216,7 +217,7 @@ StabilityProblem of_bearable_size(StabilityProblem problem) {
 double alternating(const StabilityProblem& problem, const membrane::Moduli& moduli, double slip,
                    int steps) {
   if (moduli.k_s == 0 && moduli.k_a == 0 && moduli.k_b == 0) return 0;
-  const membrane::Mesh mesh = mesh_of(problem);
+  const surface::Mesh mesh = mesh_of(problem);
   const VectorXd mobility = slip * masses(mesh).cwiseInverse();
   const Stiffness stiffness(mesh, moduli);
   std::mt19937 random(1);  // NOLINT(cert-msc*): the same every time
@@ -310,7 +311,7 @@ std::vector<std::vector<Complex>> impulse(Bath& bath, const VectorXd& force,
 }  // namespace
 
 void StabilityModel::measure_breathing(const StabilityProblem& problem, int steps) {
-  const membrane::Mesh mesh = mesh_of(problem);
+  const surface::Mesh mesh = mesh_of(problem);
   const VectorXd mass = masses(mesh);
   VectorXd field = VectorXd::Zero(mass.size());
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -338,7 +339,7 @@ void StabilityModel::measure_harmonics(const StabilityProblem& problem, int step
   StabilityProblem sphere = problem;
   sphere.shape = BodyShape::sphere;
   sphere.rotation.setIdentity();
-  const membrane::Mesh mesh = mesh_of(sphere);
+  const surface::Mesh mesh = mesh_of(sphere);
   const VectorXd mass = masses(mesh);
   const Vector3d axis = Vector3d(2, 1, 8).normalized();
   const Vector3d side = axis.unitOrthogonal();

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "ductile/fluid/duct.hpp"
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/mesh.hpp"
 #include "errors.hpp"
 
 namespace ductile::drivers {
@@ -28,7 +28,7 @@ BodySetup body_setup(const BodyOptions& body, const LatticeSetup& lattice) {
   const double edge = capsule ? body.membrane.edge : body.rigid.edge;
   // One that cannot fit is refused later, without the cost of its mesh.
   const double meshed = std::min(setup.radius, lattice.half_width);
-  setup.frequency = frequency > 0 ? frequency : membrane::frequency_for_edge(meshed, edge);
+  setup.frequency = frequency > 0 ? frequency : surface::frequency_for_edge(meshed, edge);
   if (!capsule) return setup;
   const double nu = lattice.nu;
   const double W = lattice.half_width;

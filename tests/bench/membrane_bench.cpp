@@ -8,9 +8,10 @@
 #include <exception>
 #include <random>
 
-#include "ductile/membrane/mesh.hpp"
 #include "ductile/membrane/petsc.hpp"
 #include "ductile/membrane/shell.hpp"
+#include "ductile/surface/biconcave.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace {
 
@@ -40,7 +41,7 @@ void measure(int frequency, const char* shape, std::size_t triangles, Calls... c
   std::printf("\n");
 }
 
-void bench(int frequency, const char* shape, const ductile::membrane::Mesh& mesh) {
+void bench(int frequency, const char* shape, const ductile::surface::Mesh& mesh) {
   const ductile::membrane::Shell shell(mesh, {.k_s = 1, .k_a = 2, .k_b = .1, .k_v = 1});
   const auto x = shell.create_vec(), f = shell.create_vec(), y = shell.create_vec();
   {
@@ -68,8 +69,8 @@ int main(int argc, char** argv) {
                 "tangent", "MatMult");
     for (const int frequency : {7, 16, 32}) {
       const double radius = frequency / 1.2;  // edges of about 1
-      bench(frequency, "sphere", ductile::membrane::icosphere(frequency, radius));
-      bench(frequency, "biconcave", ductile::membrane::biconcave(frequency, radius));
+      bench(frequency, "sphere", ductile::surface::icosphere(frequency, radius));
+      bench(frequency, "biconcave", ductile::surface::Biconcave(radius).mesh(frequency));
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

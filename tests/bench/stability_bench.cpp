@@ -30,7 +30,7 @@
 #include "drivers/stability_box.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/coupling/stencils.hpp"
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/mesh.hpp"
 #include "stability.hpp"
 #include "units.hpp"
 
@@ -88,8 +88,8 @@ double limit(double guess, const std::function<bool(double)>& fails) {
 
 /// Largest eigenvalue of K (S S^T/2 + eps), by power iteration.
 double simple_measure(const StabilityProblem& p) {
-  membrane::Mesh mesh = test::rest_shape(p);
-  membrane::place(mesh, p.rotation, {0.3, 0.1, 0.4});
+  surface::Mesh mesh = test::rest_shape(p);
+  surface::place(mesh, p.rotation, {0.3, 0.1, 0.4});
   const membrane::Shell shell(mesh, p.moduli);
   const auto x = shell.create_vec();
   const auto f = shell.create_vec();
@@ -204,7 +204,7 @@ class Cases {
     StabilityProblem& p = result.problem;
     p.shape = c.shape;
     p.radius = c.radius;
-    p.frequency = membrane::frequency_for_edge(c.radius, c.edge);
+    p.frequency = surface::frequency_for_edge(c.radius, c.edge);
     p.rotation = Eigen::AngleAxisd(0.35, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     p.moduli = moduli;
     p.mobility = c.mobility;

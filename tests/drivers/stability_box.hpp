@@ -11,14 +11,15 @@
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/membrane/capsule.hpp"
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/biconcave.hpp"
+#include "ductile/surface/mesh.hpp"
 #include "stability.hpp"
 
 namespace ductile::test {
 
-inline membrane::Mesh rest_shape(const drivers::StabilityProblem& p) {
-  return p.shape == drivers::BodyShape::biconcave ? membrane::biconcave(p.frequency, p.radius)
-                                                  : membrane::icosphere(p.frequency, p.radius);
+inline surface::Mesh rest_shape(const drivers::StabilityProblem& p) {
+  return p.shape == drivers::BodyShape::biconcave ? surface::Biconcave(p.radius).mesh(p.frequency)
+                                                  : surface::icosphere(p.frequency, p.radius);
 }
 
 /// Whether a capsule with `scale` times the problem's moduli fails: one that drifts with a uniform
@@ -26,7 +27,7 @@ inline membrane::Mesh rest_shape(const drivers::StabilityProblem& p) {
 /// grows a millionfold, or doubles in the second half of the run and is not down to round-off.
 inline bool fails_in_box(const drivers::StabilityProblem& p, const std::string& integrator,
                          double scale, int steps) {
-  const membrane::Mesh reference = rest_shape(p);
+  const surface::Mesh reference = rest_shape(p);
   double reach = 0;
   for (const Eigen::Vector3d& v : reference.vertices) reach = std::max(reach, v.norm());
   const int nodes = static_cast<int>(std::ceil(2 * reach)) + 10;
@@ -42,8 +43,8 @@ inline bool fails_in_box(const drivers::StabilityProblem& p, const std::string& 
   drift.velocity = {0, 0, 0.047};
   fluid.initialise([&](int, int, int) { return drift; });
 
-  membrane::Mesh mesh = reference;
-  membrane::place(mesh, p.rotation, Eigen::Vector3d(-0.3, -0.6, -0.2).array() + nodes / 2.0);
+  surface::Mesh mesh = reference;
+  surface::place(mesh, p.rotation, Eigen::Vector3d(-0.3, -0.6, -0.2).array() + nodes / 2.0);
   std::mt19937 generator(7);
   std::normal_distribution<double> normal;
   for (Eigen::Vector3d& v : mesh.vertices) {

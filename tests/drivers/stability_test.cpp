@@ -81,7 +81,7 @@ TEST(Stability, AMobileMembraneIsBoundByItsOwnRelaxation) {
   p.mobility = 0.02;
   p.moduli = {};
   p.moduli.k_b = 0.1;
-  const membrane::Mesh mesh = test::rest_shape(p);
+  const surface::Mesh mesh = test::rest_shape(p);
   const membrane::Shell shell(mesh, p.moduli);
   const auto x = shell.create_vec();
   const auto y = shell.create_vec();
@@ -136,7 +136,7 @@ TEST(Stability, LargeCapsulesHaveTheLimitsOfSmallerOnes) {
 }
 
 TEST(Stability, EveryExplicitIntegratorHasALimit) {
-  const membrane::Shell shell(membrane::icosphere(2, 1.0), small().moduli);
+  const membrane::Shell shell(surface::icosphere(2, 1.0), small().moduli);
   const auto mobility = shell.create_vec();
   for (const std::string_view name : membrane::integrator_names()) {
     const bool is_explicit =

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ductile/membrane/mesh.hpp"
 #include "ductile/membrane/shell.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace {
 
 // The pressure that the vertex forces of an inflated sphere make, p = -F.n/A, gives T = p a l/2.
 double tension() {
   using namespace ductile::membrane;
-  const Mesh reference = icosphere(16, 1.0);
+  const ductile::surface::Mesh reference = ductile::surface::icosphere(16, 1.0);
   const Shell shell(reference, {.k_s = 1, .k_a = 2});
   constexpr double l = 1.05;
   const VecPtr x = shell.create_vec();

@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "ductile/membrane/equilibrium.hpp"
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/biconcave.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace {
 
@@ -79,7 +80,9 @@ const Moduli moduli{.law = StrainLaw::skalak,
 class Stretched {
  public:
   explicit Stretched(int frequency)
-      : mesh_(biconcave(frequency, 3.91 / 1.2)), shell_(mesh_, moduli), x_(shell_.create_vec()) {
+      : mesh_(surface::Biconcave(3.91 / 1.2).mesh(frequency)),
+        shell_(mesh_, moduli),
+        x_(shell_.create_vec()) {
     VecArray<double> x(x_.get());
     for (std::size_t i = 0; i < mesh_.vertices.size(); ++i)
       Vector3d::Map(&x[3 * i]) = mesh_.vertices[i];
@@ -121,7 +124,7 @@ class Stretched {
   [[nodiscard]] double area_error() const { return shell_.shape(x_.get()).area / area(mesh_) - 1; }
 
  private:
-  Mesh mesh_;
+  surface::Mesh mesh_;
   Shell shell_;
   VecPtr x_;
 };

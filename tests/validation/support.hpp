@@ -12,7 +12,7 @@
 #include "adapters.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/fluid.hpp"
-#include "ductile/membrane/mesh.hpp"
+#include "ductile/surface/mesh.hpp"
 
 namespace ductile::test {
 
@@ -32,11 +32,11 @@ constexpr double retraction_small = 0.6;
 /// A sphere with markers about 1.2 apart, `inwards` of its surface.
 inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
                           double inwards = retraction) {
-  const membrane::Mesh mesh =
-      membrane::icosphere(membrane::frequency_for_edge(radius - inwards, 1.2), radius - inwards);
+  const surface::Mesh mesh =
+      surface::icosphere(surface::frequency_for_edge(radius - inwards, 1.2), radius - inwards);
   rigid::State state;
   state.position = at;
-  return {{mesh.vertices, membrane::vertex_areas(mesh)}, rigid::ball(radius), options, state};
+  return {{mesh.vertices, surface::vertex_areas(mesh)}, rigid::ball(radius), options, state};
 }
 
 /// A spherical capsule, inflated from its reference by `stretch`.
@@ -44,10 +44,10 @@ inline std::unique_ptr<membrane::Capsule> capsule(double radius, double stretch,
                                                   const membrane::Moduli& moduli,
                                                   const membrane::CapsuleOptions& options,
                                                   const Eigen::Vector3d& at, double edge) {
-  const int n = membrane::frequency_for_edge(radius, edge);
-  const membrane::Mesh reference = membrane::icosphere(n, radius);
-  membrane::Mesh placed = membrane::icosphere(n, radius * stretch);
-  membrane::place(placed, Eigen::Matrix3d::Identity(), at);
+  const int n = surface::frequency_for_edge(radius, edge);
+  const surface::Mesh reference = surface::icosphere(n, radius);
+  surface::Mesh placed = surface::icosphere(n, radius * stretch);
+  surface::place(placed, Eigen::Matrix3d::Identity(), at);
   return std::make_unique<membrane::Capsule>(reference, placed.vertices, moduli, options);
 }
 
