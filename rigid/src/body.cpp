@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 #include <utility>
 
@@ -144,10 +143,12 @@ double least_density_ratio(const Matrix6d& area, const Matrix6d& displaced, doub
 
 }  // namespace
 
-Solid ball(double radius) {
-  if (!(radius > 0) || !std::isfinite(radius)) reject("radius = ", radius, ": it must be positive");
-  const double volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
-  return {volume, Matrix3d::Identity() * (0.4 * volume * radius * radius)};
+Solid solid_of(const surface::Shape& shape) {
+  return {shape.volume(), shape.inertia()};
+}
+
+Surface markers_of(const surface::Mesh& mesh) {
+  return {mesh.vertices, surface::vertex_areas(mesh)};
 }
 
 Surface lined(Surface surface, const Solid& solid, const Options& options) {

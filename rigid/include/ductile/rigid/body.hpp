@@ -37,6 +37,9 @@
 #include <string>
 #include <vector>
 
+#include "ductile/surface/mesh.hpp"
+#include "ductile/surface/shape.hpp"
+
 namespace ductile::rigid {
 
 /// Markers on a body's surface (and inside it, see lined()), in the body frame: axes fixed to the
@@ -54,10 +57,11 @@ struct Solid {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
 };
 
-/// The ball of `radius` a: volume 4/3 pi a^3, inertia 2/5 a^2 of that. Its markers may well lie at
-/// a slightly smaller radius, to make up for the width of the kernel. Throws std::invalid_argument
-/// unless radius > 0.
-Solid ball(double radius);
+/// What fills a shape. Its markers may well lie slightly inside the shape's surface (an offset of
+/// Shape::mesh()), to make up for the width of the kernel.
+Solid solid_of(const surface::Shape& shape);
+/// A marker at each vertex of a mesh, with the vertex's area.
+Surface markers_of(const surface::Mesh& mesh);
 
 /// What moves a body.
 enum class Motion {
@@ -158,8 +162,8 @@ class Body {
   void correct_force(std::span<const double> velocity, std::span<double> increment);
   /// Moves the body by one step with the U and omega of the last correction: x + U, and the
   /// rotation by |omega| about omega. `velocity`, the fluid's at the markers with the whole force,
-  /// only tells the slip. Throws BlowUp if a marker would move by more than half a lattice spacing
-  /// or to no finite place; the state is then that before the step.
+  /// only tells the slip. Throws BlowUp if a marker would move by more than half a lattice
+  /// spacing or to no finite place; the state is then that before the step.
   void advance(std::span<const double> velocity);
 
   /// Sets the motion of a prescribed body from the next step on. Throws std::logic_error if free.
