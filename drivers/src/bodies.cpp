@@ -3,6 +3,7 @@
 #include "adapters.hpp"
 #include "ductile/surface/biconcave.hpp"
 #include "ductile/surface/mesh.hpp"
+#include "ductile/surface/sphere.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -96,8 +97,7 @@ class RigidBody final : public ImmersedBody {
  private:
   static rigid::Body make(const BodyOptions& options, const LatticeSetup& lattice,
                           const BodySetup& setup) {
-    const surface::Mesh mesh =
-        surface::icosphere(setup.frequency, setup.radius - options.rigid.retraction);
+    const surface::Sphere shape(setup.radius);
     rigid::Options rigid;
     rigid.density_ratio = options.density_ratio;
     rigid.gravity = lattice.gravity;
@@ -106,9 +106,10 @@ class RigidBody final : public ImmersedBody {
     rigid::State state;
     state.position = setup.centre;
     state.orientation = Eigen::Quaterniond(setup.rotation);
-    const rigid::Solid ball = rigid::ball(setup.radius);
-    return {rigid::lined({mesh.vertices, surface::vertex_areas(mesh)}, ball, rigid), ball, rigid,
-            state};
+    const rigid::Solid solid = rigid::solid_of(shape);
+    const rigid::Surface markers =
+        rigid::markers_of(shape.mesh(setup.frequency, -options.rigid.retraction));
+    return {rigid::lined(markers, solid, rigid), solid, rigid, state};
   }
 
   const LatticeSetup& lattice_;

@@ -13,6 +13,7 @@
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/surface/mesh.hpp"
+#include "ductile/surface/sphere.hpp"
 
 namespace ductile::test {
 
@@ -32,11 +33,12 @@ constexpr double retraction_small = 0.6;
 /// A sphere with markers about 1.2 apart, `inwards` of its surface.
 inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
                           double inwards = retraction) {
-  const surface::Mesh mesh =
-      surface::icosphere(surface::frequency_for_edge(radius - inwards, 1.2), radius - inwards);
+  const surface::Sphere shape(radius);
+  const int frequency = surface::frequency_for_edge(radius - inwards, 1.2);
   rigid::State state;
   state.position = at;
-  return {{mesh.vertices, surface::vertex_areas(mesh)}, rigid::ball(radius), options, state};
+  return {rigid::markers_of(shape.mesh(frequency, -inwards)), rigid::solid_of(shape), options,
+          state};
 }
 
 /// A spherical capsule, inflated from its reference by `stretch`.
