@@ -13,14 +13,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::string message(BlowUp::Reason reason, int vertex, double displacement) {
+std::string message(VertexFailure::Reason reason, int vertex, double displacement) {
   const std::string which = "vertex " + std::to_string(vertex);
   switch (reason) {
-    case BlowUp::Reason::force_not_finite:
+    case VertexFailure::Reason::force_not_finite:
       return "the force on " + which + " is not finite: a triangle beside it has collapsed";
-    case BlowUp::Reason::velocity_not_finite:
+    case VertexFailure::Reason::velocity_not_finite:
       return "the velocity of " + which + " is not finite: the fluid has blown up";
-    case BlowUp::Reason::too_fast:
+    case VertexFailure::Reason::too_fast:
       break;
   }
   std::ostringstream text;
@@ -53,19 +53,19 @@ void copy(const VecPtr& from, std::span<double> to) {
   std::copy(numbers.begin(), numbers.end(), to.begin());
 }
 
-void require_finite(const VecPtr& vec, BlowUp::Reason reason) {
+void require_finite(const VecPtr& vec, VertexFailure::Reason reason) {
   const std::span<const double> numbers = view(vec);
   const auto bad = std::find_if_not(numbers.begin(), numbers.end(),
                                     [](double number) { return std::isfinite(number); });
   if (bad != numbers.end()) {
-    throw BlowUp(reason, static_cast<int>((bad - numbers.begin()) / 3),
-                 std::numeric_limits<double>::quiet_NaN());
+    throw VertexFailure(reason, static_cast<int>((bad - numbers.begin()) / 3),
+                        std::numeric_limits<double>::quiet_NaN());
   }
 }
 
 }  // namespace
 
-BlowUp::BlowUp(Reason reason, int vertex, double displacement)
+VertexFailure::VertexFailure(Reason reason, int vertex, double displacement)
     : std::runtime_error(message(reason, vertex, displacement)),
       reason_(reason),
       vertex_(vertex),
@@ -121,7 +121,7 @@ std::span<const double> Capsule::forces() const {
 
 void Capsule::predict_force(std::span<double> force) {
   integrator_->predict_force(state_, result_.get());
-  require_finite(result_, BlowUp::Reason::force_not_finite);
+  require_finite(result_, VertexFailure::Reason::force_not_finite);
   copy(result_, force);
   std::swap(state_.forces, result_);
 }
@@ -130,7 +130,7 @@ void Capsule::correct_force(std::span<const double> fluid_velocity, const Respon
                             std::span<double> increment) {
   copy(fluid_velocity, fluid_velocity_.get());
   integrator_->correct_force(state_, fluid_velocity_.get(), response, result_.get());
-  require_finite(result_, BlowUp::Reason::force_not_finite);
+  require_finite(result_, VertexFailure::Reason::force_not_finite);
   copy(result_, increment);
   petsc_check(VecAXPY(state_.forces.get(), 1.0, result_.get()));
 }
@@ -138,14 +138,15 @@ void Capsule::correct_force(std::span<const double> fluid_velocity, const Respon
 void Capsule::advance(std::span<const double> fluid_velocity) {
   copy(fluid_velocity, fluid_velocity_.get());
   integrator_->advance(state_, fluid_velocity_.get(), result_.get());
-  require_finite(result_, BlowUp::Reason::velocity_not_finite);
+  require_finite(result_, VertexFailure::Reason::velocity_not_finite);
   const std::span<const double> v = view(result_);
   double slip = 0;
   for (int i = 0; i < vertex_count(); ++i) {
     const auto velocity = Vector3d::Map(&v[3 * i]);
     slip = std::max(slip, (velocity - Vector3d::Map(&fluid_velocity[3 * i])).squaredNorm());
     const double displacement = velocity.norm();
-    if (displacement > max_displacement) throw BlowUp(BlowUp::Reason::too_fast, i, displacement);
+    if (displacement > max_displacement)
+      throw VertexFailure(VertexFailure::Reason::too_fast, i, displacement);
   }
   petsc_check(VecAXPY(state_.positions.get(), 1.0, result_.get()));
   std::swap(state_.velocities, result_);

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <memory>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 
 #include "shell_math.hpp"
 
@@ -16,13 +14,6 @@ namespace ductile::membrane {
 namespace {
 
 using Eigen::Vector3d;
-
-template <class Object, PetscErrorCode (*destroy)(Object*)>
-struct Destroyer {
-  void operator()(Object object) const noexcept { static_cast<void>(destroy(&object)); }
-};
-template <class Object, PetscErrorCode (*destroy)(Object*)>
-using Owner = std::unique_ptr<std::remove_pointer_t<Object>, Destroyer<Object, destroy>>;
 
 VecPtr duplicate(Vec vec) {
   Vec result = nullptr;
@@ -186,10 +177,10 @@ PetscErrorCode hessian(SNES /*snes*/, Vec x, Mat /*whole*/, Mat /*sparse*/, void
   return guarded([&] { static_cast<Potential*>(potential)->hessian(x); });
 }
 
-Owner<SNES, SNESDestroy> make_solver(Potential& potential, Vec work, double target) {
+SnesPtr make_solver(Potential& potential, Vec work, double target) {
   SNES snes = nullptr;
   petsc_check(SNESCreate(PETSC_COMM_SELF, &snes));
-  Owner<SNES, SNESDestroy> owner(snes);
+  SnesPtr owner(snes);
   petsc_check(SNESSetOptionsPrefix(snes, "membrane_static_"));
   petsc_check(SNESSetFunction(snes, work, &gradient, &potential));
   petsc_check(SNESSetJacobian(snes, potential.whole(), potential.sparse(), &hessian, &potential));
@@ -215,7 +206,7 @@ int unstable_modes(Potential& potential, Vec x) {
   petsc_check(MatSetOption(mat, MAT_SYMMETRIC, PETSC_TRUE));
   KSP ksp = nullptr;
   petsc_check(KSPCreate(PETSC_COMM_SELF, &ksp));
-  const Owner<KSP, KSPDestroy> owner(ksp);
+  const KspPtr owner(ksp);
   petsc_check(KSPSetOptionsPrefix(ksp, "membrane_static_inertia_"));
   petsc_check(KSPSetType(ksp, KSPPREONLY));
   petsc_check(KSPSetOperators(ksp, mat, mat));

@@ -302,7 +302,7 @@ void Body::advance(std::span<const double> velocity) {
     std::ostringstream reason;
     reason << "a rigid body would move marker " << worst << " by " << furthest
            << " lattice spacings in one step (limit " << largest_displacement << ")";
-    throw BlowUp(reason.str(), worst);
+    throw MotionFailure(reason.str(), worst);
   }
 
   slip_ = slip;

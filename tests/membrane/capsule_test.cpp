@@ -164,7 +164,7 @@ TEST_F(CapsuleInFluid, ExplicitSchemeMakesNoCorrections) {
   EXPECT_THROW(capsule.correct_force(u, {}, increment), std::logic_error);
 }
 
-class BlowUpOf : public CapsuleInFluid {
+class FailedStep : public CapsuleInFluid {
  protected:
   Capsule capsule_{sphere_, stretched_, soft, with_mobility};
   std::vector<double> force_ = std::vector<double>(capsule_.positions().size());
@@ -176,41 +176,41 @@ class BlowUpOf : public CapsuleInFluid {
     velocity_.assign(force_.size(), .01);
   }
   // What advance() throws, having left the state alone.
-  BlowUp thrown() {
+  VertexFailure thrown() {
     const std::vector<double> x = copy(capsule_.positions()), v = copy(capsule_.velocities()),
                               f = copy(capsule_.forces());
     try {
       capsule_.advance(velocity_);
-    } catch (const BlowUp& blow_up) {
+    } catch (const VertexFailure& failure) {
       EXPECT_EQ(copy(capsule_.positions()), x);
       EXPECT_EQ(copy(capsule_.velocities()), v);
       EXPECT_EQ(copy(capsule_.forces()), f);
-      return blow_up;
+      return failure;
     }
-    throw std::runtime_error("no BlowUp");
+    throw std::runtime_error("no VertexFailure");
   }
 };
 
-TEST_F(BlowUpOf, NamesTheVertexThatIsTooFast) {
+TEST_F(FailedStep, NamesTheVertexThatIsTooFast) {
   velocity_[3 * 17 + 1] = 2;
-  const BlowUp blow_up = thrown();
-  EXPECT_EQ(blow_up.reason(), BlowUp::Reason::too_fast);
-  EXPECT_EQ(blow_up.vertex(), 17);
-  EXPECT_NEAR(blow_up.displacement(), 2, .01);
-  test::expect_contains(blow_up.what(), "vertex 17 moves 2.0");
+  const VertexFailure failure = thrown();
+  EXPECT_EQ(failure.reason(), VertexFailure::Reason::too_fast);
+  EXPECT_EQ(failure.vertex(), 17);
+  EXPECT_NEAR(failure.displacement(), 2, .01);
+  test::expect_contains(failure.what(), "vertex 17 moves 2.0");
 }
 
-TEST_F(BlowUpOf, NamesTheVertexWhoseVelocityIsNotFinite) {
+TEST_F(FailedStep, NamesTheVertexWhoseVelocityIsNotFinite) {
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     velocity_[3 * 23 + 2] = bad;
-    const BlowUp blow_up = thrown();
-    EXPECT_EQ(blow_up.reason(), BlowUp::Reason::velocity_not_finite);
-    EXPECT_EQ(blow_up.vertex(), 23);
-    test::expect_contains(blow_up.what(), "velocity of vertex 23 is not finite");
+    const VertexFailure failure = thrown();
+    EXPECT_EQ(failure.reason(), VertexFailure::Reason::velocity_not_finite);
+    EXPECT_EQ(failure.vertex(), 23);
+    test::expect_contains(failure.what(), "velocity of vertex 23 is not finite");
   }
 }
 
-TEST_F(BlowUpOf, LeavesTheCapsuleAbleToGoOn) {
+TEST_F(FailedStep, LeavesTheCapsuleAbleToGoOn) {
   velocity_[0] = 2;
   thrown();
   velocity_[0] = .01;
@@ -219,7 +219,7 @@ TEST_F(BlowUpOf, LeavesTheCapsuleAbleToGoOn) {
   EXPECT_NEAR(capsule_.positions()[0] - before, .01, 1e-3);
 }
 
-TEST_F(CapsuleInFluid, CollapsedTriangleIsABlowUp) {
+TEST_F(CapsuleInFluid, CollapsedTriangleIsAFailure) {
   Points flat = at_rest_;
   const auto& [a, b, c] = sphere_.triangles[9];
   flat[a] = flat[b];
@@ -227,10 +227,10 @@ TEST_F(CapsuleInFluid, CollapsedTriangleIsABlowUp) {
   std::vector<double> force(3 * flat.size());
   try {
     capsule.predict_force(force);
-    FAIL() << "no BlowUp";
-  } catch (const BlowUp& blow_up) {
-    EXPECT_EQ(blow_up.reason(), BlowUp::Reason::force_not_finite);
-    EXPECT_LT((at_rest_[blow_up.vertex()] - at_rest_[a]).norm(), 3 * mean_edge(sphere_));
+    FAIL() << "no VertexFailure";
+  } catch (const VertexFailure& failure) {
+    EXPECT_EQ(failure.reason(), VertexFailure::Reason::force_not_finite);
+    EXPECT_LT((at_rest_[failure.vertex()] - at_rest_[a]).norm(), 3 * mean_edge(sphere_));
   }
 }
 

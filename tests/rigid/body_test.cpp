@@ -20,7 +20,7 @@ using ductile::rigid::Body;
 using ductile::rigid::lined;
 using ductile::rigid::markers_of;
 using ductile::rigid::Motion;
-using ductile::rigid::BlowUp;
+using ductile::rigid::MotionFailure;
 using ductile::rigid::Options;
 using ductile::rigid::Solid;
 using ductile::rigid::solid_of;
@@ -683,7 +683,7 @@ TEST(RigidBody, RunawayStepIsRefusedAndLeavesTheStateAsItWas) {
       step(body, local_fluid(surface, [&](const Vector3d& y) {
              return Vector3d(flow + spin.cross(y - start.position));
            }));
-    } catch (const BlowUp& error) {
+    } catch (const MotionFailure& error) {
       marker = error.marker();
       EXPECT_EQ(body.state().position, start.position);
       EXPECT_EQ(body.state().velocity, start.velocity);

@@ -23,7 +23,7 @@ struct CapsuleOptions {
 };
 
 /// A step that a capsule cannot take; the state before the step is intact.
-class BlowUp : public std::runtime_error {
+class VertexFailure : public std::runtime_error {
  public:
   enum class Reason {
     force_not_finite,     ///< the membrane's force: a triangle collapsed
@@ -32,7 +32,7 @@ class BlowUp : public std::runtime_error {
   };
   /// `displacement`: length of the vertex's step, in lattice spacings; not a number where its force
   /// or velocity is not finite.
-  BlowUp(Reason reason, int vertex, double displacement);
+  VertexFailure(Reason reason, int vertex, double displacement);
 
   [[nodiscard]] Reason reason() const { return reason_; }
   [[nodiscard]] int vertex() const { return vertex_; }
@@ -81,14 +81,14 @@ class Capsule {
 
   [[nodiscard]] int corrections() const { return integrator_->corrections(); }
   /// force <- what the capsule exerts on the fluid as far as it is known from x^n and the steps
-  /// before. Throws BlowUp.
+  /// before. Throws VertexFailure.
   void predict_force(std::span<double> force);
   /// increment <- what to add to it, given the fluid's velocity with the force so far in. Throws
-  /// BlowUp or SolveFailure; std::logic_error if corrections() is 0.
+  /// VertexFailure or SolveFailure; std::logic_error if corrections() is 0.
   void correct_force(std::span<const double> fluid_velocity, const Response& response,
                      std::span<double> increment);
   /// Moves the vertices by one time step, given the fluid's velocity with the whole force in.
-  /// Throws BlowUp.
+  /// Throws VertexFailure.
   void advance(std::span<const double> fluid_velocity);
 
   [[nodiscard]] Shape shape() const { return shell_.shape(state_.positions.get()); }

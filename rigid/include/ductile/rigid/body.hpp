@@ -120,9 +120,9 @@ struct Slip {
 };
 
 /// A body left the range in which a time step means anything. It is as it was before that step.
-class BlowUp : public std::runtime_error {
+class MotionFailure : public std::runtime_error {
  public:
-  BlowUp(const std::string& reason, std::size_t marker)
+  MotionFailure(const std::string& reason, std::size_t marker)
       : std::runtime_error(reason), marker_(marker) {}
   /// The marker that moved furthest, or not to a finite place.
   [[nodiscard]] std::size_t marker() const { return marker_; }
@@ -162,7 +162,7 @@ class Body {
   void correct_force(std::span<const double> velocity, std::span<double> increment);
   /// Moves the body by one step with the U and omega of the last correction: x + U, and the
   /// rotation by |omega| about omega. `velocity`, the fluid's at the markers with the whole force,
-  /// only tells the slip. Throws BlowUp if a marker would move by more than half a lattice
+  /// only tells the slip. Throws MotionFailure if a marker would move by more than half a lattice
   /// spacing or to no finite place; the state is then that before the step.
   void advance(std::span<const double> velocity);
 
