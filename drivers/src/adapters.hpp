@@ -43,7 +43,7 @@ class CapsuleMarkers final : public coupling::Body {
   static void translated(const F& f) {
     try {
       f();
-    } catch (const membrane::BlowUp& error) {
+    } catch (const membrane::VertexFailure& error) {
       throw coupling::MarkerError(static_cast<std::size_t>(error.vertex()), error.what());
     }
   }
@@ -67,7 +67,7 @@ class RigidMarkers final : public coupling::Body {
     velocity_.assign(velocity.begin(), velocity.end());
     try {
       body_.advance(velocity);
-    } catch (const rigid::BlowUp& error) {
+    } catch (const rigid::MotionFailure& error) {
       throw coupling::MarkerError(error.marker(), error.what());
     }
   }
