@@ -201,7 +201,11 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
              options_.relaxation, ": choose it larger, or add inner shells (rigid::lined)");
     balance_.compute(2 * options_.relaxation * area + (options_.density_ratio - 1) * displaced);
   }
-  if (options_.memory == 0) state_.forces.clear();
+  if (options_.memory == 0) {
+    state_.forces.clear();
+  } else if (state_.forces.empty()) {
+    state_.forces.assign(marker_count(), Vector3d::Zero());
+  }
   forces_.resize(marker_count());
   arms_.resize(marker_count());
   positions_.resize(3 * marker_count());
@@ -319,6 +323,37 @@ void Body::advance(std::span<const double> velocity) {
   state_.orientation = (rotation * state_.orientation).normalized();
   state_.angular_velocity = angular_velocity_;
   place_markers();
+}
+
+template <class Self, class Io>
+void Body::transfer_parts(Self& self, const Io& io) {
+  const auto transfer = [&](std::string_view name, auto& vector) {
+    io(name, {vector.data(), static_cast<std::size_t>(vector.size())});
+  };
+  auto& state = self.state_;
+  transfer("position", state.position);
+  transfer("velocity", state.velocity);
+  transfer("orientation", state.orientation.coeffs());
+  transfer("angular_velocity", state.angular_velocity);
+  if (!state.forces.empty()) io("forces", {state.forces.data()->data(), 3 * state.forces.size()});
+  transfer("next_velocity", self.velocity_);
+  transfer("next_angular_velocity", self.angular_velocity_);
+  transfer("hydrodynamic_force", self.hydrodynamic_force_);
+  transfer("hydrodynamic_torque", self.hydrodynamic_torque_);
+  io("slip_max", {&self.slip_.max, 1});
+  io("slip_rms", {&self.slip_.rms, 1});
+}
+
+void Body::save(const StateWriter& write) const {
+  transfer_parts(*this, write);
+}
+
+void Body::load(const StateReader& read) {
+  Body loaded(*this);
+  transfer_parts(loaded, read);
+  check_state(loaded.state_, marker_count());
+  loaded.place_markers();
+  *this = std::move(loaded);
 }
 
 void Body::prescribe(const Vector3d& velocity, const Vector3d& angular_velocity) {

@@ -4,11 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ductile/surface/biconcave.hpp"
@@ -25,6 +30,7 @@ using ductile::rigid::Options;
 using ductile::rigid::Solid;
 using ductile::rigid::solid_of;
 using ductile::rigid::State;
+using ductile::rigid::StateReader;
 using ductile::rigid::Surface;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -666,6 +672,109 @@ TEST_P(Memory, StateDeterminesAllThatFollowsToTheLastBit) {
   EXPECT_EQ(resumed.state().orientation.coeffs(), body.state().orientation.coeffs());
   EXPECT_EQ(resumed.state().angular_velocity, body.state().angular_velocity);
   EXPECT_EQ(resumed.hydrodynamic_torque(), body.hydrodynamic_torque());
+}
+
+using Saved = std::map<std::string, std::vector<double>, std::less<>>;
+
+Saved saved(const Body& body) {
+  Saved state;
+  body.save([&](std::string_view name, std::span<const double> numbers) {
+    EXPECT_FALSE(state.contains(name)) << name << " comes twice";
+    state[std::string(name)].assign(numbers.begin(), numbers.end());
+  });
+  return state;
+}
+
+StateReader reader(const Saved& state) {
+  return [&state](std::string_view name, std::span<double> numbers) {
+    const auto found = state.find(name);
+    if (found == state.end() || found->second.size() != numbers.size())
+      throw std::out_of_range(std::string(name));
+    std::copy(found->second.begin(), found->second.end(), numbers.begin());
+  };
+}
+
+bool same(const Body& a, const Body& b) {
+  const auto equal = [](std::span<const double> p, std::span<const double> q) {
+    return std::equal(p.begin(), p.end(), q.begin(), q.end());
+  };
+  return equal(a.positions(), b.positions()) && saved(a) == saved(b) &&
+         a.state().forces == b.state().forces && a.slip().max == b.slip().max &&
+         a.hydrodynamic_force() == b.hydrodynamic_force();
+}
+
+TEST_P(Memory, LoadedBodyGoesOnToTheLastBit) {
+  // Heavy and turned over by the flow; light, with inner shells; told how to move.
+  const Vector3d axes(5, 4, 3);
+  Options heavy;
+  heavy.density_ratio = 2;
+  heavy.gravity = {0, 0, 1e-5};
+  heavy.memory = GetParam().memory;
+  heavy.corrections = GetParam().corrections;
+  Options light = heavy, told = heavy;
+  light.density_ratio = 0.5;
+  told.motion = Motion::prescribed;
+  const Surface shells = lined(spiral(18, 400), ball(18), light);
+  ASSERT_EQ(shells.markers.size(), 800U);
+  const auto check = [](const Surface& surface, const Solid& solid, const Options& options) {
+    const auto flow = local_fluid(surface, [](const Vector3d& y) {
+      return Vector3d(0.001 * y.z(), 0.0003 * y.x(), 0.02 + 0.0005 * y.x());
+    });
+    const auto prescribe = [&](Body& body, int n) {
+      if (options.motion == Motion::prescribed)
+        body.prescribe({0.01, 1e-3 * n, 0}, {0, 0, 1e-3 * n});
+    };
+    State start;
+    start.position = {3, 4, 5};
+    for (const int n : {0, 1, 2, 9}) {
+      Body straight(surface, solid, options, start);
+      for (int k = 0; k < n; ++k) {
+        step(straight, flow);
+        prescribe(straight, k);
+      }
+      Body resumed(surface, solid, options, {});
+      step(resumed, flow);
+      resumed.load(reader(saved(straight)));
+      ASSERT_TRUE(same(resumed, straight)) << "after " << n << " steps";
+      for (int k = 0; k < 6; ++k) {
+        step(straight, flow);
+        step(resumed, flow);
+        ASSERT_TRUE(same(resumed, straight)) << "after " << n << " and " << k << " steps";
+      }
+    }
+  };
+  check(ellipsoid_surface(axes, 80), ellipsoid(axes), heavy);
+  check(shells, ball(18), light);
+  check(ellipsoid_surface(axes, 80), ellipsoid(axes), told);
+}
+
+TEST_P(Memory, LoadThatFailsLeavesTheBodyAsItWas) {
+  const Surface surface = spiral(4, 80);
+  const auto flow = local_fluid(surface, [](const Vector3d& y) {
+    return Vector3d(0.01 * y.z(), 0.003 * y.x(), 0.02 + 0.005 * y.x());
+  });
+  Options options;
+  options.density_ratio = 2;
+  options.memory = GetParam().memory;
+  Body body(surface, ball(4), options, {}), other(surface, ball(4), options, {});
+  for (int n = 0; n < 3; ++n) step(body, flow);
+  for (int n = 0; n < 5; ++n) step(other, flow);
+  const Body before = body;
+  const Saved whole = saved(other);
+  for (const auto& [name, numbers] : whole) {
+    Saved missing = whole;
+    missing.erase(name);
+    EXPECT_THROW(body.load(reader(missing)), std::out_of_range) << name;
+    EXPECT_TRUE(same(body, before)) << name;
+  }
+  for (const std::string name : {"position", "orientation"}) {
+    Saved broken = whole;
+    broken[name][0] = std::nan("");
+    EXPECT_THROW(body.load(reader(broken)), std::invalid_argument) << name;
+    EXPECT_TRUE(same(body, before)) << name;
+  }
+  body.load(reader(whole));
+  EXPECT_TRUE(same(body, other));
 }
 
 TEST(RigidBody, RunawayStepIsRefusedAndLeavesTheStateAsItWas) {

@@ -32,9 +32,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ductile/surface/mesh.hpp"
@@ -109,9 +111,15 @@ struct State {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< that moved it here in the last step
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< body frame to space frame
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< space frame; that turned it here
-  /// Of each marker on the fluid in the last step, body frame. Kept with a memory alone; empty: 0.
+  /// Of each marker on the fluid in the last step, body frame. Kept with a memory alone; given
+  /// empty: 0.
   std::vector<Eigen::Vector3d> forces;
 };
+
+/// Takes a part of an object's state: its name, unique within the object, and its numbers.
+using StateWriter = std::function<void(std::string_view name, std::span<const double> numbers)>;
+/// Fills in what a StateWriter took under that name, of the same size.
+using StateReader = std::function<void(std::string_view name, std::span<double> numbers)>;
 
 /// Velocity that the surface has and the fluid does not: |U + omega x r_m - u_m|.
 struct Slip {
@@ -150,7 +158,7 @@ class Body {
   /// n, constant.
   [[nodiscard]] std::size_t marker_count() const { return surface_.markers.size(); }
   /// Markers, from position and orientation afresh each step: the shape does not drift. Valid until
-  /// advance().
+  /// advance() or load().
   [[nodiscard]] std::span<const double> positions() const { return positions_; }
   /// Options::corrections.
   [[nodiscard]] int corrections() const { return options_.corrections; }
@@ -170,6 +178,13 @@ class Body {
   void prescribe(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity);
 
   [[nodiscard]] const State& state() const { return state_; }
+  /// Between two steps: state(), what prescribe() has said, and what the accessors below tell of
+  /// the last step.
+  void save(const StateWriter& write) const;
+  /// With a `read` that knows all that save() of a body of the same surface, solid and options
+  /// wrote: goes on to the last bit as that one would have. Passes on what `read` throws, and
+  /// throws std::invalid_argument for a state out of bounds; the body is then as it was.
+  void load(const StateReader& read);
   /// Force of the surrounding fluid on the solid in the last step, without buoyancy: minus the
   /// markers' force, plus Feng's M_f (U - U_prev).
   [[nodiscard]] const Eigen::Vector3d& hydrodynamic_force() const { return hydrodynamic_force_; }
@@ -181,6 +196,9 @@ class Body {
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+  template <class Self, class Io>
+  static void transfer_parts(Self& self, const Io& io);
 
   void place_markers();
   void check_size(std::span<const double> values) const;
