@@ -10,6 +10,8 @@ class ExplicitEuler final : public Integrator {
  public:
   ExplicitEuler(const Shell& shell, Vec mobility) : shell_(shell), mobility_(mobility) {}
 
+  static SchemeTraits traits() { return {.weights = {1}, .cost = 1}; }
+
   void predict_force(const State& state, Vec force) override;
   void advance(const State& state, Vec fluid_velocity, Vec velocity) override;
 

@@ -1,6 +1,8 @@
 // Backward Euler, at any stiffness.
 #pragma once
 
+#include <limits>
+
 #include "implicit_step.hpp"
 
 namespace ductile::membrane {
@@ -12,6 +14,11 @@ namespace ductile::membrane {
 /// iterations suffice.
 class Implicit final : public ImplicitStep {
  public:
+  // Times of steps: doc/integrators.md.
+  static SchemeTraits traits() {
+    return {.reach = std::numeric_limits<double>::infinity(), .cost = 18};
+  }
+
   Implicit(const Shell& shell, Vec mobility, const IntegratorOptions& options);
 
  private:

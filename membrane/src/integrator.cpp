@@ -1,10 +1,7 @@
 #include "ductile/membrane/integrator.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
-#include <utility>
 
 #include "adams_bashforth.hpp"
 #include "explicit_euler.hpp"
@@ -12,35 +9,40 @@
 #include "semi_implicit.hpp"
 
 namespace ductile::membrane {
-namespace {
 
-using Factory = std::unique_ptr<Integrator> (*)(const Shell&, Vec, const IntegratorOptions&);
-
-template <class Scheme>
-std::unique_ptr<Integrator> make(const Shell& shell, Vec mobility,
-                                 const IntegratorOptions& options) {
-  if constexpr (std::is_constructible_v<Scheme, const Shell&, Vec, const IntegratorOptions&>) {
-    return std::make_unique<Scheme>(shell, mobility, options);
-  } else {
-    return std::make_unique<Scheme>(shell, mobility);
-  }
+std::span<const Scheme> schemes() {
+  static const Scheme table[] = {
+      scheme<ExplicitEuler>("explicit-euler"),
+      scheme<AdamsBashforth>("adams-bashforth"),
+      scheme<SemiImplicit>("semi-implicit"),
+      scheme<Implicit>("implicit"),
+  };
+  return table;
 }
-
-constexpr std::pair<std::string_view, Factory> schemes[] = {
-    {"explicit-euler", make<ExplicitEuler>},
-    {"adams-bashforth", make<AdamsBashforth>},
-    {"semi-implicit", make<SemiImplicit>},
-    {"implicit", make<Implicit>},
-};
-
-}  // namespace
 
 void Integrator::correct_force(const State& /*state*/, Vec /*fluid_velocity*/,
                                const Response& /*response*/, Vec /*increment*/) {
   throw std::logic_error("this integrator makes no corrections");
 }
 
-IntegratorFactory make_integrator(std::string_view name, const IntegratorOptions& options) {
+std::vector<std::string_view> integrator_names() {
+  std::vector<std::string_view> names;
+  for (const Scheme& scheme : schemes()) names.push_back(scheme.name);
+  return names;
+}
+
+const Scheme& find_scheme(std::string_view name) {
+  std::string known;
+  for (const Scheme& scheme : schemes()) {
+    if (scheme.name == name) return scheme;
+    known += known.empty() ? "" : ", ";
+    known += scheme.name;
+  }
+  throw std::invalid_argument("unknown membrane integrator '" + std::string(name) +
+                              "'; known: " + known);
+}
+
+IntegratorFactory make_integrator(const Scheme& scheme, const IntegratorOptions& options) {
   if (!(options.theta >= 0.5 && options.theta <= 1)) {
     throw std::invalid_argument("integrator: theta = " + std::to_string(options.theta) +
                                 " must be from 0.5 (no slip) to 1 (most damping)");
@@ -53,24 +55,13 @@ IntegratorFactory make_integrator(std::string_view name, const IntegratorOptions
     throw std::invalid_argument("integrator: step_cuts = " + std::to_string(options.step_cuts) +
                                 " must be from 0 (none) to 20");
   }
-  std::string known;
-  for (const auto& [scheme, factory] : schemes) {
-    if (scheme == name) {
-      return [factory = factory, options](const Shell& shell, Vec mobility) {
-        return factory(shell, mobility, options);
-      };
-    }
-    known += known.empty() ? "" : ", ";
-    known += scheme;
-  }
-  throw std::invalid_argument("unknown membrane integrator '" + std::string(name) +
-                              "'; known: " + known);
+  return [make = scheme.make, options](const Shell& shell, Vec mobility) {
+    return make(shell, mobility, options);
+  };
 }
 
-std::vector<std::string_view> integrator_names() {
-  std::vector<std::string_view> names;
-  for (const auto& [scheme, factory] : schemes) names.push_back(scheme);
-  return names;
+IntegratorFactory make_integrator(std::string_view name, const IntegratorOptions& options) {
+  return make_integrator(find_scheme(name), options);
 }
 
 }  // namespace ductile::membrane

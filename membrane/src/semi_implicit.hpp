@@ -16,6 +16,9 @@ namespace ductile::membrane {
 /// which is what the scheme saves. First order.
 class SemiImplicit final : public ImplicitStep {
  public:
+  // La = 10^5 at 36 nodes across, and times of steps (doc/integrators.md).
+  static SchemeTraits traits() { return {.reach = 100, .cost = 12}; }
+
   SemiImplicit(const Shell& shell, Vec mobility, const IntegratorOptions& options);
 
  private:

@@ -2,6 +2,7 @@
 // own force. What holds for each, the order of each, and what implicit ones add.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -219,9 +220,7 @@ TEST_P(EachImplicit, SubstepsGoToTheirLimitAtFirstOrder) {
 }
 
 TEST(OwnIntegrator, OfTheDocumentationIsOfSecondOrderInAFluidAtRest) {
-  const IntegratorFactory heun = [](const Shell& shell, Vec mobility) {
-    return std::make_unique<Heun>(shell, mobility);
-  };
+  const IntegratorFactory heun = make_integrator(scheme<Heun>("heun"));
   const Mesh mesh = icosphere(5, 5);
   const auto relaxed = [&](double h) {
     Capsule capsule(
@@ -347,6 +346,42 @@ TEST(Implicit, StepCutsRepeatAStepWithMoreSubsteps) {
   const auto coarse = position(1), fine = position(64);
   EXPECT_LT(distance(result, coarse) + distance(result, fine), 1.1 * distance(coarse, fine));
   EXPECT_GE(statistics.solves, 2);
+}
+
+TEST_P(EachIntegrator, MovesAsItsWeightsSay) {
+  // v_n = sum_i w_i (u + eps F)_(n-i), and F the force of x^n: what its limit of stability is
+  // derived from.
+  const std::vector<double> weights = find_scheme(GetParam()).traits.weights;
+  if (weights.empty()) {
+    EXPECT_GT(find_scheme(GetParam()).traits.reach, 1);
+    return;
+  }
+  Sphere sphere(GetParam(), moduli_of(.05), {}, 1, Vector3d(1.1, .95, 1).asDiagonal());
+  Capsule& capsule = sphere.capsule;
+  ASSERT_EQ(capsule.corrections(), 0);
+  const std::vector<double> areas = vertex_areas(sphere.mesh);
+  const VecPtr expected = capsule.shell().create_vec();
+  test::Random random;
+  std::vector<std::vector<double>> rates;  // latest last
+  std::vector<double> force(3 * areas.size()), u(force.size());
+  for (std::size_t n = 0; n < weights.size() + 3; ++n) {
+    capsule.shell().force(capsule.state().positions.get(), expected.get());
+    capsule.predict_force(force);
+    const VecArray<const double> f(expected.get());
+    EXPECT_TRUE(std::equal(force.begin(), force.end(), f.data()));
+    rates.emplace_back();
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      u[k] = random(.01);
+      rates.back().push_back(u[k] + .006 / areas[k / 3] * force[k]);
+    }
+    capsule.advance(u);
+    if (rates.size() < weights.size()) continue;
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      double v = 0;
+      for (std::size_t i = 0; i < weights.size(); ++i) v += weights[i] * rates.rbegin()[i][k];
+      ASSERT_NEAR(capsule.velocities()[k], v, 10 * eps);
+    }
+  }
 }
 
 TEST(MakeIntegrator, ListsTheKnownNamesForAnUnknownOne) {

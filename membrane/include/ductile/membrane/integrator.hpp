@@ -25,6 +25,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "ductile/membrane/petsc.hpp"
@@ -110,11 +111,54 @@ class Integrator {
 using IntegratorFactory =
     std::function<std::unique_ptr<Integrator>(const Shell& shell, Vec mobility)>;
 
-/// The factory of the scheme of that name, one of integrator_names(). Throws std::invalid_argument,
-/// listing them, for any other, and for options out of bounds.
-IntegratorFactory make_integrator(std::string_view name, const IntegratorOptions& options = {});
+/// What one needs to know of a scheme to choose it.
+struct SchemeTraits {
+  /// Of a scheme whose force is -dE/dx(x^n), and whose vertices move by a weighted sum of u + eps F
+  /// of this step and of earlier ones: the weights, latest first. Its limit of stability follows
+  /// from them (doc/stability.md). Empty for any other scheme.
+  std::vector<double> weights = {};
+  /// Of any other scheme: up to which multiple of explicit Euler's limit the moduli may be;
+  /// infinity where there is no limit. Not used where weights say more.
+  double reach = 0;
+  /// Time that a step's membrane work takes, over explicit Euler's.
+  double cost = 1;
+};
+
+/// A scheme by name.
+struct Scheme {
+  using Factory = std::unique_ptr<Integrator> (*)(const Shell& shell, Vec mobility,
+                                                  const IntegratorOptions& options);
+  std::string_view name;
+  SchemeTraits traits;
+  Factory make;
+};
+
+/// The scheme of the class T, derived from Integrator: T has a static function traits(), and is
+/// made from a shell, its mobility and, if it takes them, the options. `name` must outlive it.
+template <class T>
+Scheme scheme(std::string_view name) {
+  return {name, T::traits(),
+          [](const Shell& shell, Vec mobility,
+             [[maybe_unused]] const IntegratorOptions& options) -> std::unique_ptr<Integrator> {
+            if constexpr (std::is_constructible_v<T, const Shell&, Vec, const IntegratorOptions&>) {
+              return std::make_unique<T>(shell, mobility, options);
+            } else {
+              return std::make_unique<T>(shell, mobility);
+            }
+          }};
+}
 
 /// The schemes there are.
+std::span<const Scheme> schemes();
+/// Their names.
 std::vector<std::string_view> integrator_names();
+/// That of schemes() with this name. Throws std::invalid_argument, listing them, for any other.
+const Scheme& find_scheme(std::string_view name);
+
+/// The factory of a scheme with these options. Throws std::invalid_argument if they are out of
+/// bounds.
+IntegratorFactory make_integrator(const Scheme& scheme, const IntegratorOptions& options = {});
+/// Alike, for find_scheme(name).
+IntegratorFactory make_integrator(std::string_view name, const IntegratorOptions& options = {});
 
 }  // namespace ductile::membrane
