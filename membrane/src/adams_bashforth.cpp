@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "state.hpp"
+
 namespace ductile::membrane {
 
 void AdamsBashforth::predict_force(const State& state, Vec force) {
@@ -18,6 +20,18 @@ void AdamsBashforth::advance(const State& state, Vec fluid_velocity, Vec velocit
 void AdamsBashforth::accept() {
   std::swap(rate_, before_);
   started_ = true;
+}
+
+template <class Self, class Io>
+void AdamsBashforth::transfer_parts(Self& self, const Io& io) {
+  transfer(io, "before", self.before_);
+  transfer(io, "started", self.started_);
+}
+void AdamsBashforth::save(const StateWriter& write) const {
+  transfer_parts(*this, write);
+}
+void AdamsBashforth::load(const StateReader& read) {
+  transfer_parts(*this, read);
 }
 
 }  // namespace ductile::membrane

@@ -21,8 +21,13 @@ class AdamsBashforth final : public Integrator {
   void predict_force(const State& state, Vec force) override;
   void advance(const State& state, Vec fluid_velocity, Vec velocity) override;
   void accept() override;
+  void save(const StateWriter& write) const override;
+  void load(const StateReader& read) override;
 
  private:
+  template <class Self, class Io>
+  static void transfer_parts(Self& self, const Io& io);
+
   const Shell& shell_;
   Vec mobility_;
   VecPtr rate_, before_;  // w^n and w^(n-1)

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "state.hpp"
+
 namespace ductile::membrane {
 namespace {
 
@@ -53,6 +55,10 @@ void copy(const VecPtr& from, std::span<double> to) {
   std::copy(numbers.begin(), numbers.end(), to.begin());
 }
 
+std::string integrator_part(std::string_view name) {
+  return "integrator/" + std::string(name);
+}
+
 void require_finite(const VecPtr& vec, VertexFailure::Reason reason) {
   const std::span<const double> numbers = view(vec);
   const auto bad = std::find_if_not(numbers.begin(), numbers.end(),
@@ -77,7 +83,8 @@ Capsule::Capsule(const surface::Mesh& reference, std::span<const Vector3d> posit
       state_{shell_.create_vec(), shell_.create_vec(), shell_.create_vec()},
       mobility_(shell_.create_vec()),
       fluid_velocity_(shell_.create_vec()),
-      result_(shell_.create_vec()) {
+      result_(shell_.create_vec()),
+      make_integrator_(options.integrator) {
   if (positions.size() != reference.vertices.size()) {
     throw std::invalid_argument("capsule: " + std::to_string(positions.size()) +
                                 " positions for a reference of " +
@@ -106,7 +113,7 @@ Capsule::Capsule(const surface::Mesh& reference, std::span<const Vector3d> posit
       }
     }
   }
-  integrator_ = options.integrator(shell_, mobility_.get());
+  integrator_ = make_integrator_(shell_, mobility_.get());
 }
 
 std::span<const double> Capsule::positions() const {
@@ -152,6 +159,34 @@ void Capsule::advance(std::span<const double> fluid_velocity) {
   std::swap(state_.velocities, result_);
   slip_ = std::sqrt(slip);
   integrator_->accept();
+}
+
+template <class Slip, class Io>
+void Capsule::transfer_parts(const State& state, Slip& slip, const Io& io) {
+  transfer(io, "positions", state.positions);
+  transfer(io, "velocities", state.velocities);
+  transfer(io, "forces", state.forces);
+  transfer(io, "slip", slip);
+}
+
+void Capsule::save(const StateWriter& write) const {
+  transfer_parts(state_, slip_, write);
+  integrator_->save([&](std::string_view name, std::span<const double> numbers) {
+    write(integrator_part(name), numbers);
+  });
+}
+
+void Capsule::load(const StateReader& read) {
+  State state{shell_.create_vec(), shell_.create_vec(), shell_.create_vec()};
+  double slip = 0;
+  transfer_parts(state, slip, read);
+  std::unique_ptr<Integrator> integrator = make_integrator_(shell_, mobility_.get());
+  integrator->load([&](std::string_view name, std::span<double> numbers) {
+    read(integrator_part(name), numbers);
+  });
+  state_ = std::move(state);
+  slip_ = slip;
+  integrator_ = std::move(integrator);
 }
 
 double Capsule::volume_error() const {

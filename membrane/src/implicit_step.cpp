@@ -5,6 +5,8 @@
 #include <sstream>
 #include <utility>
 
+#include "state.hpp"
+
 namespace ductile::membrane {
 namespace {
 
@@ -142,6 +144,32 @@ void ImplicitStep::accept() {
   petsc_check(VecCopy(mean_.get(), last_.get()));
   steps_ = std::min(steps_ + 1, 2);
   ++age_;
+}
+
+// All other vectors are written before they are read in each step, and the solvers start afresh
+// in each solve.
+template <class Self, class Io>
+void ImplicitStep::transfer_parts(Self& self, const Io& io) {
+  transfer(io, "last", self.last_);
+  transfer(io, "before", self.before_);
+  transfer(io, "steps", self.steps_);
+  transfer(io, "lumped", self.lumped_);
+  transfer(io, "stale", self.stale_);
+  transfer(io, "age", self.age_);
+  transfer(io, "solves", self.statistics_.solves);
+  transfer(io, "newton_iterations", self.statistics_.newton_iterations);
+  transfer(io, "krylov_iterations", self.statistics_.krylov_iterations);
+  transfer(io, "tangents", self.statistics_.tangents);
+  transfer(io, "step_cuts", self.statistics_.step_cuts);
+}
+void ImplicitStep::save(const StateWriter& write) const {
+  transfer_parts(*this, write);
+  equation_.save(write);
+}
+void ImplicitStep::load(const StateReader& read) {
+  transfer_parts(*this, read);
+  equation_.load(read);
+  if (!stale_) equation_.assemble();
 }
 
 }  // namespace ductile::membrane

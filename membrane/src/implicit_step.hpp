@@ -30,6 +30,8 @@ class ImplicitStep : public Integrator {
   void advance(const State& state, Vec fluid_velocity, Vec velocity) override;
   void accept() override;
   [[nodiscard]] SolveStatistics statistics() const override { return statistics_; }
+  void save(const StateWriter& write) const override;
+  void load(const StateReader& read) override;
 
  protected:
   /// unknown <- y of the substep that the equation has begun, from the guess in it; counts into
@@ -53,6 +55,8 @@ class ImplicitStep : public Integrator {
 
  private:
   void step(const State& state, const Response& response, int substeps);
+  template <class Self, class Io>
+  static void transfer_parts(Self& self, const Io& io);
 
   Vec mobility_;
   StepEquation equation_;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "state.hpp"
+
 namespace ductile::membrane {
 
 StepEquation::StepEquation(const Shell& shell, Vec mobility, double theta)
@@ -9,6 +11,7 @@ StepEquation::StepEquation(const Shell& shell, Vec mobility, double theta)
       mobility_(mobility),
       theta_(theta),
       scale_(shell.create_vec()),
+      linearised_at_(shell.create_vec()),
       preconditioner_(shell.create_tangent()),
       volume_gradient_(shell.create_vec()),
       force_(shell.create_vec()),
@@ -69,12 +72,28 @@ void StepEquation::residual(Vec y, Vec r) const {
 
 void StepEquation::linearise(Vec y) {
   to_force(y, force_.get());
-  positions(force_.get(), displaced_.get());
-  shell_.tangent(displaced_.get(), preconditioner_.get());
-  volume_stiffness_ = shell_.volume_stiffness(displaced_.get(), volume_gradient_.get());
+  positions(force_.get(), linearised_at_.get());
+  assemble();
+}
+
+void StepEquation::assemble() {
+  shell_.tangent(linearised_at_.get(), preconditioner_.get());
+  volume_stiffness_ = shell_.volume_stiffness(linearised_at_.get(), volume_gradient_.get());
   petsc_check(MatDiagonalSet(preconditioner_.get(), scale_.get(), ADD_VALUES));
   petsc_check(MatAssemblyBegin(operator_.get(), MAT_FINAL_ASSEMBLY));
   petsc_check(MatAssemblyEnd(operator_.get(), MAT_FINAL_ASSEMBLY));
+}
+
+template <class Self, class Io>
+void StepEquation::transfer_parts(Self& self, const Io& io) {
+  transfer(io, "scale", self.scale_);
+  transfer(io, "linearised_at", self.linearised_at_);
+}
+void StepEquation::save(const StateWriter& write) const {
+  transfer_parts(*this, write);
+}
+void StepEquation::load(const StateReader& read) {
+  transfer_parts(*this, read);
 }
 
 // (D + K B D) y, K being the preconditioning matrix less D, plus c g g^T.

@@ -49,6 +49,12 @@ class StepEquation {
   /// K at y, into operator and preconditioning matrix.
   void linearise(Vec y);
 
+  /// Takes K where linearise() was called last, as it does itself; for an equation just loaded.
+  void assemble();
+  /// The row sums of B, and where it was linearised last.
+  void save(const StateWriter& write) const;
+  void load(const StateReader& read);
+
   [[nodiscard]] Mat operator_matrix() const { return operator_.get(); }
   [[nodiscard]] Mat preconditioning_matrix() const { return preconditioner_.get(); }
   /// velocity <- R force; the fluid's part alone.
@@ -71,6 +77,8 @@ class StepEquation {
   void rethrow();
 
  private:
+  template <class Self, class Io>
+  static void transfer_parts(Self& self, const Io& io);
   // product <- B force.
   void apply_b(Vec force, Vec product) const;
   void apply_jacobian(Vec y, Vec product) const;
@@ -85,7 +93,8 @@ class StepEquation {
   const Response* response_ = nullptr;
   double h_ = 1;
 
-  VecPtr scale_;  // D
+  VecPtr scale_;          // D
+  VecPtr linearised_at_;  // positions
   MatPtr preconditioner_;
   MatPtr operator_;
   double volume_stiffness_ = 0;  // c

@@ -91,6 +91,14 @@ class Capsule {
   /// Throws VertexFailure.
   void advance(std::span<const double> fluid_velocity);
 
+  /// Between two steps: positions, velocities, forces and slip of the latest step, and under
+  /// "integrator/..." what the integrator remembers.
+  void save(const StateWriter& write) const;
+  /// With a `read` that knows all that save() of a capsule of the same reference, moduli and
+  /// options wrote: goes on to the last bit as that one would have, wherever it is (as
+  /// Integrator::load() says). Passes on what `read` throws; the capsule is then as it was.
+  void load(const StateReader& read);
+
   [[nodiscard]] Shape shape() const { return shell_.shape(state_.positions.get()); }
   [[nodiscard]] Energies energies() const { return shell_.energies(state_.positions.get()); }
   /// V/V0 - 1, V0 the reference volume.
@@ -100,11 +108,15 @@ class Capsule {
   [[nodiscard]] double slip() const { return slip_; }
 
  private:
+  template <class Slip, class Io>
+  static void transfer_parts(const State& state, Slip& slip, const Io& io);
+
   Shell shell_;
   State state_;
   VecPtr mobility_;        // eps_i, three times each
   VecPtr fluid_velocity_;  // work space
   VecPtr result_;          // of the integrator, until it has passed its check
+  IntegratorFactory make_integrator_;
   std::unique_ptr<Integrator> integrator_;
   double slip_ = 0;
 };

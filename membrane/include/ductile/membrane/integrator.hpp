@@ -44,6 +44,12 @@ struct State {
 /// R force, linear, symmetric and positive semi-definite; both 3n.
 using Response = std::function<void(std::span<const double> force, std::span<double> velocity)>;
 
+/// Takes a part of an object's state: its name, unique within the object, and its numbers. Counts
+/// and flags come as numbers too.
+using StateWriter = std::function<void(std::string_view name, std::span<const double> numbers)>;
+/// Fills in what a StateWriter took under that name, of the same size.
+using StateReader = std::function<void(std::string_view name, std::span<double> numbers)>;
+
 /// What a scheme has spent since it was made; zeros in a scheme that solves nothing.
 struct SolveStatistics {
   std::int64_t solves = 0;             ///< systems of equations solved, one a substep
@@ -105,6 +111,15 @@ class Integrator {
   virtual void accept() {}
 
   [[nodiscard]] virtual SolveStatistics statistics() const { return {}; }
+
+  /// Between two steps: all that the scheme remembers of past ones, and what statistics() tells. A
+  /// scheme that remembers nothing leaves both as they are.
+  virtual void save(const StateWriter& /*write*/) const {}
+  /// Into a scheme newly made for the same shell, mobility and options, with a `read` that knows
+  /// all that save() wrote: it goes on to the last bit as the saved one would have. (But for PETSc
+  /// options by which a solver keeps more from one solve to the next than its matrices, such as
+  /// ksp_guess_type.) Passes on what `read` throws; the scheme is then of no use.
+  virtual void load(const StateReader& /*read*/) {}
 };
 
 /// Makes a scheme for a shell and its mobility eps, 3n numbers; both must outlive the scheme.
