@@ -16,7 +16,7 @@ class AdamsBashforth final : public Integrator {
         rate_(shell.create_vec()),
         before_(shell.create_vec()) {}
 
-  static SchemeTraits traits() { return {.weights = {1.5, -0.5}, .cost = 1.1}; }
+  static SchemeTraits traits() { return {.weights = {1.5, -0.5}, .cost = 1.05}; }
 
   void predict_force(const State& state, Vec force) override;
   void advance(const State& state, Vec fluid_velocity, Vec velocity) override;
