@@ -152,7 +152,7 @@ class Potential {
   Vec force_;
   VecPtr origin_;
   MatPtr tangent_;
-  // Of c g g^T; the column is the gradient's own numbers. All null if k_v = 0.
+  // What c g g^T is made of; the column is the gradient's own numbers. All null if k_v = 0.
   VecPtr volume_gradient_, volume_stiffness_;
   MatPtr volume_column_, whole_;
 };
@@ -195,8 +195,9 @@ SnesPtr make_solver(Potential& potential, Vec work, double target) {
   return owner;
 }
 
-// The number of negative eigenvalues of H = P + c g g^T: that of P, by Sylvester's law that of its
-// factors' diagonal, less one if 1/c + g^T P^-1 g is negative (Haynsworth).
+// The number of negative eigenvalues of H = P + c g g^T. It is that of P, less one if
+// 1/c + g^T P^-1 g is negative (Haynsworth); that of P is that of its factors' diagonal
+// (Sylvester).
 int unstable_modes(Potential& potential, Vec x) {
   potential.hessian(x);
   Mat mat = nullptr;
@@ -256,7 +257,7 @@ Equilibrium find_equilibrium(const Shell& shell, Vec force, Vec positions,
   Equilibrium result;
   result.residual = residual_at(positions);
 
-  // Of the matrix's typical eigenvalue.
+  // Drags, as parts of the matrix's typical eigenvalue.
   const double stiffness = potential.stiffness(positions);
   const double first = 1e-2 * stiffness, least = 1e-8 * stiffness, most = 1e4 * stiffness;
   const double target = std::max(options.tolerance * std::max(norm(force), result.residual),

@@ -9,7 +9,7 @@ namespace {
 
 // Newton iterations beyond which a kept tangent no longer pays.
 constexpr PetscInt many_iterations = 3;
-// Of the residual that a step may leave, what a linear solve may.
+// What a linear solve may leave, over the residual that the step may leave.
 constexpr double linear_share = 0.3;
 
 }  // namespace
@@ -96,7 +96,7 @@ SNESConvergedReason Implicit::newton(Vec unknown) {
   return reason;
 }
 
-// Whatever solver was chosen, the force balance is what counts.
+// The force balance decides, whatever the chosen solver says of itself.
 bool Implicit::solved(Vec unknown, SNESConvergedReason reason) {
   if (reason < 0) return false;
   if (left_ <= target_) return true;

@@ -86,7 +86,7 @@ void ImplicitStep::predict_force(const State& /*state*/, Vec force) {
 
 void ImplicitStep::correct_force(const State& state, Vec fluid_velocity, const Response& response,
                                  Vec increment) {
-  // Without the capsule's own force so far, which the equation answers for.
+  // The capsule's own force so far is taken out: the equation answers for it.
   equation_.begin(state.positions.get(), fluid_velocity, response, 1);
   equation_.respond(state.forces.get(), drift_.get());
   petsc_check(VecAYPX(drift_.get(), -1, fluid_velocity));

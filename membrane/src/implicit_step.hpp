@@ -6,15 +6,16 @@
 
 namespace ductile::membrane {
 
-/// In each of two corrections the scheme solves for the force of the step, see StepEquation: first
+/// The scheme solves for the force of the step (see StepEquation) in each of two corrections: first
 /// against the forces that other bodies are expected to exert, then against those that they have
-/// found, and with what the response has missed of the fluid's density. Capsules whose kernels
-/// overlap so iterate on each other (block Jacobi, whose error changes sign with each round: with
-/// two rounds stiff ones were stable down to the smallest gap, with one or three they were not).
-/// Far from others the second solve has nothing left to do.
+/// found. The second solve also takes in what the response has missed of the fluid's density.
+/// Capsules whose kernels overlap iterate on each other in this way (block Jacobi). The error of
+/// that iteration changes sign with each round: stiff capsules were stable down to the smallest gap
+/// with two rounds, but not with one or three. The second solve has nothing left to do far from
+/// others.
 ///
-/// `substeps` divide the step in that equation, and the fluid receives the mean of their forces:
-/// at theta = 1/2 the membrane moves with the fluid's own velocity for any number of them.
+/// `substeps` divide the step in that equation, and the fluid receives the mean of their forces.
+/// The membrane then moves with the fluid's own velocity at theta = 1/2, for any number of them.
 /// The solve starts from the force extrapolated from the two steps before. That is also what
 /// predict_force() gives, so that other bodies feel it within the step.
 class ImplicitStep : public Integrator {

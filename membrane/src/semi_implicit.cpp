@@ -44,7 +44,7 @@ void SemiImplicit::solve(Vec unknown) {
   petsc_check(VecNorm(residual_.get(), NORM_2, &norm));
   if (!std::isfinite(norm)) throw SolveFailure("the force is not finite", 0, 0, norm, 0);
 
-  // What is left is relative to the force, of which there is none before the first step.
+  // The residual is relative to the force; there is none before the first step.
   const double force = force_norm(unknown);
   const double target = std::max(rtol_ * (force > 0 ? force : norm), floor_);
   if (norm <= target) return;

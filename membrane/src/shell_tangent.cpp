@@ -193,8 +193,8 @@ void Shell::tangent(Vec positions, Mat tangent) const {
   petsc_check(MatAssemblyEnd(tangent, MAT_FINAL_ASSEMBLY));
 }
 
-// The volume's part, and of the bending's (E'' g g^T + E' dg/dx, g = dtheta/dx) the first; fills
-// moments_ for the second.
+// Adds the volume's part and the first of the bending's two, E'' g g^T + E' dg/dx with
+// g = dtheta/dx; fills moments_ for the second.
 void Shell::add_hinge_tangents(const double* x, double p) const {
   const TangentPattern& pattern = *tangent_pattern_;
   const double stiffness = sqrt3 * moduli_.k_b;
@@ -220,8 +220,9 @@ void Shell::add_hinge_tangents(const double* x, double p) const {
     const double cosine = theta.cos * hinge.cos0 + theta.sin * hinge.sin0;
     moments_[h] = stiffness * sine * theta.inverse_length;
 
-    // Of each triangle, g is -N/H of the vertex at the height H over the edge, and N/H times the
-    // barycentric coordinates (1 - beta, beta) of that height's foot for the edge's ends.
+    // A triangle of height H over the edge adds to g: -N/H at the vertex that faces the edge, and
+    // N/H at the edge's ends times the barycentric coordinates (1 - beta, beta) of the height's
+    // foot.
     const Vector3d edge = point(x, hinge.head) - tail;
     const double inverse_square = theta.inverse_length * theta.inverse_length;
     const double length = edge.squaredNorm() * theta.inverse_length;
@@ -241,7 +242,7 @@ void Shell::add_hinge_tangents(const double* x, double p) const {
   }
 }
 
-// The strain's part and the bending's second.
+// Adds the strain's part and the bending's second.
 void Shell::add_triangle_tangents(const double* x) const {
   const TangentPattern& pattern = *tangent_pattern_;
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -252,8 +253,8 @@ void Shell::add_triangle_tangents(const double* x) const {
     const double norm = inverse_norms_[t];
     const Vector3d normal = norm * normals_[t];
 
-    // Neither part changes under a translation, so that only the derivatives with respect to e1 and
-    // e2, i and k below, are needed. Both are of the form
+    // Neither part changes under a translation: the derivatives with respect to e1 and e2, i and k
+    // below, suffice. Both are of the form
     //   H_ik = s_ik 1 + (e1 e2 N) C_ik (e1 e2 N)^T.
 
     // Strain: dE/de_i = s_ij e_j as in force(), and with q = adj g and c2 q the second part of s

@@ -91,12 +91,12 @@ class Capsule {
   /// Throws VertexFailure.
   void advance(std::span<const double> fluid_velocity);
 
-  /// Between two steps: positions, velocities, forces and slip of the latest step, and under
-  /// "integrator/..." what the integrator remembers.
+  /// Writes positions, velocities, forces and slip of the latest step, and what the integrator
+  /// remembers under "integrator/..."; between two steps.
   void save(const StateWriter& write) const;
-  /// With a `read` that knows all that save() of a capsule of the same reference, moduli and
-  /// options wrote: goes on to the last bit as that one would have, wherever it is (as
-  /// Integrator::load() says). Passes on what `read` throws; the capsule is then as it was.
+  /// Takes over what save() of a capsule of the same reference, moduli and options wrote, wherever
+  /// that one was, and goes on to the last bit as it would have (see Integrator::load()). Passes on
+  /// what `read` throws; the capsule is then as it was.
   void load(const StateReader& read);
 
   [[nodiscard]] Shape shape() const { return shell_.shape(state_.positions.get()); }

@@ -112,13 +112,13 @@ class Integrator {
 
   [[nodiscard]] virtual SolveStatistics statistics() const { return {}; }
 
-  /// Between two steps: all that the scheme remembers of past ones, and what statistics() tells. A
-  /// scheme that remembers nothing leaves both as they are.
+  /// Writes all that the scheme remembers of past steps, and what statistics() tells; between two
+  /// steps. A scheme that remembers nothing overrides neither this nor load().
   virtual void save(const StateWriter& /*write*/) const {}
-  /// Into a scheme newly made for the same shell, mobility and options, with a `read` that knows
-  /// all that save() wrote: it goes on to the last bit as the saved one would have. (But for PETSc
-  /// options by which a solver keeps more from one solve to the next than its matrices, such as
-  /// ksp_guess_type.) Passes on what `read` throws; the scheme is then of no use.
+  /// Takes over what save() of a scheme for the same shell, mobility and options wrote, and goes on
+  /// to the last bit as that one would have; for a scheme newly made. (PETSc options by which a
+  /// solver keeps more than its matrices from one solve to the next, such as ksp_guess_type, spoil
+  /// the last bits.) Passes on what `read` throws; the scheme is then of no use.
   virtual void load(const StateReader& /*read*/) {}
 };
 
@@ -128,12 +128,12 @@ using IntegratorFactory =
 
 /// What one needs to know of a scheme to choose it.
 struct SchemeTraits {
-  /// Of a scheme whose force is -dE/dx(x^n), and whose vertices move by a weighted sum of u + eps F
-  /// of this step and of earlier ones: the weights, latest first. Its limit of stability follows
+  /// The weights, latest first, of a scheme whose force is -dE/dx(x^n) and whose vertices move by a
+  /// weighted sum of u + eps F of this step and of earlier ones. Its limit of stability follows
   /// from them (doc/stability.md). Empty for any other scheme.
   std::vector<double> weights = {};
-  /// Of any other scheme: up to which multiple of explicit Euler's limit the moduli may be;
-  /// infinity where there is no limit. Not used where weights say more.
+  /// The multiple of explicit Euler's limit up to which the moduli may be, for a scheme without
+  /// weights; infinity where there is no limit.
   double reach = 0;
   /// Time that a step's membrane work takes, over explicit Euler's.
   double cost = 1;

@@ -98,7 +98,7 @@ class Shell {
   /// an open sheet both are zero.
   double volume_stiffness(Vec positions, Vec gradient) const;
 
-  /// Of an open sheet only the area means anything.
+  /// Only the area means anything for an open sheet.
   [[nodiscard]] Shape shape(Vec positions) const;
 
  private:

@@ -178,12 +178,12 @@ class Body {
   void prescribe(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity);
 
   [[nodiscard]] const State& state() const { return state_; }
-  /// Between two steps: state(), what prescribe() has said, and what the accessors below tell of
-  /// the last step.
+  /// Writes state(), what prescribe() has said, and what the accessors below tell of the last step;
+  /// between two steps.
   void save(const StateWriter& write) const;
-  /// With a `read` that knows all that save() of a body of the same surface, solid and options
-  /// wrote: goes on to the last bit as that one would have. Passes on what `read` throws, and
-  /// throws std::invalid_argument for a state out of bounds; the body is then as it was.
+  /// Takes over what save() of a body of the same surface, solid and options wrote, and goes on to
+  /// the last bit as that one would have. Passes on what `read` throws, and throws
+  /// std::invalid_argument for a state out of bounds; the body is then as it was.
   void load(const StateReader& read);
   /// Force of the surrounding fluid on the solid in the last step, without buoyancy: minus the
   /// markers' force, plus Feng's M_f (U - U_prev).
