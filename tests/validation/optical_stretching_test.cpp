@@ -80,7 +80,7 @@ const Moduli moduli{.law = StrainLaw::skalak,
 class Stretched {
  public:
   explicit Stretched(int frequency)
-      : mesh_(surface::Biconcave(3.91 / 1.2).mesh(frequency)),
+      : mesh_(ductile::surface::Biconcave(3.91 / 1.2).mesh(frequency)),
         shell_(mesh_, moduli),
         x_(shell_.create_vec()) {
     VecArray<double> x(x_.get());
@@ -124,7 +124,7 @@ class Stretched {
   [[nodiscard]] double area_error() const { return shell_.shape(x_.get()).area / area(mesh_) - 1; }
 
  private:
-  surface::Mesh mesh_;
+  ductile::surface::Mesh mesh_;
   Shell shell_;
   VecPtr x_;
 };
