@@ -11,14 +11,13 @@
 
 #include "ductile/coupling/kernel.hpp"
 #include "ductile/coupling/stencils.hpp"
+#include "ductile/fluid/mpi.hpp"
 #include "layout.hpp"
 
 namespace ductile::coupling {
 namespace {
 
-void check(int code, const char* call) {
-  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + call + " failed");
-}
+using fluid::mpi_check;
 
 // How far a body may move before its box is laid anew: a node across the channel, two along it.
 constexpr std::array<int, 3> margin = {1, 1, 2};
@@ -99,9 +98,6 @@ BodyFailure::BodyFailure(int body, std::optional<std::size_t> marker, std::int64
 class Coupler::Impl {
  public:
   Impl(fluid::Fluid& fluid, std::vector<Member> members, int total);
-  ~Impl() { MPI_Comm_free(&comm_); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
 
   void step();
   Stopwatch watch_;
@@ -119,7 +115,7 @@ class Coupler::Impl {
   std::optional<fluid::Box> stencil_box(const Host& host);
   void fail(const Host& host, int marker, const std::string& reason);
   void sent(std::size_t bytes) {
-    if (ranks_ > 1) watch_.profile.bytes_sent += static_cast<std::int64_t>(bytes);
+    if (comm_.size() > 1) watch_.profile.bytes_sent += static_cast<std::int64_t>(bytes);
   }
   [[nodiscard]] bool takes_part(int id, int round) const {
     return round < 0 || round < entries_[static_cast<std::size_t>(id)].corrections;
@@ -130,9 +126,7 @@ class Coupler::Impl {
   void to_hosts(int round);
 
   fluid::Fluid& fluid_;
-  MPI_Comm comm_ = MPI_COMM_NULL;
-  int rank_ = 0;
-  int ranks_ = 1;
+  fluid::Communicator comm_;
   fluid::InstructionSet instruction_set_;
   int period_;
   std::vector<Host> hosts_;
@@ -149,12 +143,10 @@ class Coupler::Impl {
 
 Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
     : fluid_(fluid),
+      comm_(fluid.comm()),
       instruction_set_(*fluid.options().instruction_set),
       period_(fluid.options().boundary[2] == fluid::Boundary::periodic ? fluid.options().nodes[2]
                                                                        : 0) {
-  check(MPI_Comm_dup(fluid.comm(), &comm_), "MPI_Comm_dup");
-  MPI_Comm_rank(comm_, &rank_);
-  MPI_Comm_size(comm_, &ranks_);
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.id < b.id; });
   std::vector<int> owners(static_cast<std::size_t>(std::max(total, 0)) + 1, 0);
@@ -172,13 +164,12 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
     host.partial.resize(4 * size);
     hosts_.push_back(std::move(host));
   }
-  check(MPI_Allreduce(MPI_IN_PLACE, owners.data(), static_cast<int>(owners.size()), MPI_INT,
-                      MPI_SUM, comm_),
-        "MPI_Allreduce");
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, owners.data(), static_cast<int>(owners.size()), MPI_INT,
+                          MPI_SUM, comm_.get()),
+            "MPI_Allreduce");
   const int strangers = owners.back();
   owners.pop_back();
   if (strangers != 0 || !std::all_of(owners.begin(), owners.end(), [](int n) { return n == 1; })) {
-    MPI_Comm_free(&comm_);
     throw std::invalid_argument("coupler: the ranks' bodies must have the ids 0 to " +
                                 std::to_string(total - 1) + ", each once");
   }
@@ -354,7 +345,7 @@ void Coupler::Impl::lay_out() {
       box = fluid_.with_image(box);
     }
     int* row = &table[static_cast<std::size_t>(host.id) * entry_size];
-    row[0] = rank_;
+    row[0] = comm_.rank();
     row[1] = static_cast<int>(host.body->marker_count());
     row[2] = host.body->corrections();
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -362,9 +353,9 @@ void Coupler::Impl::lay_out() {
       row[4 + 2 * axis] = box[axis].end;
     }
   }
-  check(MPI_Allreduce(MPI_IN_PLACE, table.data(), static_cast<int>(table.size()), MPI_INT, MPI_MAX,
-                      comm_),
-        "MPI_Allreduce");
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, table.data(), static_cast<int>(table.size()), MPI_INT,
+                          MPI_MAX, comm_.get()),
+            "MPI_Allreduce");
   sent(table.size() * sizeof(int));
   for (std::size_t id = 0; id < entries_.size(); ++id) {
     const int* row = &table[id * entry_size];
@@ -405,8 +396,8 @@ void Coupler::Impl::lay_out() {
       guest.stencils = Stencils(instruction_set_);
       guests_.push_back(std::move(guest));
     }
-    if (entry.owner != rank_) continue;
-    for (int r = 0; r < ranks_; ++r) {
+    if (entry.owner != comm_.rank()) continue;
+    for (int r = 0; r < comm_.size(); ++r) {
       if (!touches(z.begin, z.size(), fluid_.slab(r), period_)) continue;
       Route route;
       route.host = host;
@@ -425,19 +416,19 @@ void Coupler::Impl::to_guests(int round, bool with_positions) {
   std::vector<std::pair<std::size_t, std::size_t>> receives;  // request, guest
   for (std::size_t g = 0; g < guests_.size(); ++g) {
     Guest& guest = guests_[g];
-    if (!takes_part(guest.id, round) || guest.owner == rank_) continue;
+    if (!takes_part(guest.id, round) || guest.owner == comm_.rank()) continue;
     guest.data.resize(
         numbers * static_cast<std::size_t>(entries_[static_cast<std::size_t>(guest.id)].markers));
     receives.emplace_back(requests.size(), g);
-    check(MPI_Irecv(guest.data.data(), static_cast<int>(guest.data.size()), MPI_DOUBLE, guest.owner,
-                    guest.id, comm_, &requests.emplace_back()),
-          "MPI_Irecv");
+    mpi_check(MPI_Irecv(guest.data.data(), static_cast<int>(guest.data.size()), MPI_DOUBLE,
+                        guest.owner, guest.id, comm_.get(), &requests.emplace_back()),
+              "MPI_Irecv");
   }
   for (Route& route : routes_) {
     const Host& host = hosts_[route.host];
     if (!takes_part(host.id, round)) continue;
     std::vector<double>* buffer = &route.buffer;
-    if (route.rank == rank_) {
+    if (route.rank == comm_.rank()) {
       buffer = &std::find_if(guests_.begin(), guests_.end(), [&](const Guest& guest) {
                   return guest.id == host.id;
                 })->data;
@@ -451,18 +442,18 @@ void Coupler::Impl::to_guests(int round, bool with_positions) {
     };
     if (with_positions) pack(host.body->positions());
     pack(host.force);
-    if (route.rank == rank_) continue;
-    check(MPI_Isend(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
-                    route.rank, host.id, comm_, &requests.emplace_back()),
-          "MPI_Isend");
+    if (route.rank == comm_.rank()) continue;
+    mpi_check(MPI_Isend(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
+                        route.rank, host.id, comm_.get(), &requests.emplace_back()),
+              "MPI_Isend");
     sent(route.buffer.size() * sizeof(double));
   }
   std::vector<MPI_Status> statuses(requests.size());
-  check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), statuses.data()),
-        "MPI_Waitall");
+  mpi_check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), statuses.data()),
+            "MPI_Waitall");
   for (const auto& [request, g] : receives) {
     int count = 0;
-    check(MPI_Get_count(&statuses[request], MPI_DOUBLE, &count), "MPI_Get_count");
+    mpi_check(MPI_Get_count(&statuses[request], MPI_DOUBLE, &count), "MPI_Get_count");
     guests_[g].data.resize(static_cast<std::size_t>(count));
   }
   watch_.lap(Part::exchange);
@@ -532,11 +523,11 @@ void Coupler::Impl::to_hosts(int round) {
   std::vector<MPI_Request> requests;
   for (Route& route : routes_) {
     const Host& host = hosts_[route.host];
-    if (!takes_part(host.id, round) || route.rank == rank_) continue;
+    if (!takes_part(host.id, round) || route.rank == comm_.rank()) continue;
     route.buffer.resize(12 * route.markers.size());
-    check(MPI_Irecv(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
-                    route.rank, host.id, comm_, &requests.emplace_back()),
-          "MPI_Irecv");
+    mpi_check(MPI_Irecv(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
+                        route.rank, host.id, comm_.get(), &requests.emplace_back()),
+              "MPI_Irecv");
   }
   const auto sum = [](const double* p) { return ((p[0] + p[1]) + p[2]) + p[3]; };
   for (Guest& guest : guests_) {
@@ -551,15 +542,15 @@ void Coupler::Impl::to_hosts(int round) {
         end = std::copy_n(partial, 12, end);
       }
     }
-    if (guest.owner == rank_) continue;
+    if (guest.owner == comm_.rank()) continue;
     const auto count = static_cast<std::size_t>(end - guest.buffer.data());
-    check(MPI_Isend(guest.buffer.data(), static_cast<int>(count), MPI_DOUBLE, guest.owner, guest.id,
-                    comm_, &requests.emplace_back()),
-          "MPI_Isend");
+    mpi_check(MPI_Isend(guest.buffer.data(), static_cast<int>(count), MPI_DOUBLE, guest.owner,
+                        guest.id, comm_.get(), &requests.emplace_back()),
+              "MPI_Isend");
     sent(count * sizeof(double));
   }
-  check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-        "MPI_Waitall");
+  mpi_check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+            "MPI_Waitall");
 
   // Calls f(host, marker, whole, answer) for all answers.
   const auto for_answers = [&](auto&& f) {
@@ -567,7 +558,7 @@ void Coupler::Impl::to_hosts(int round) {
       Host& host = hosts_[route.host];
       if (!takes_part(host.id, round)) continue;
       const double* answer = route.buffer.data();
-      if (route.rank == rank_) {
+      if (route.rank == comm_.rank()) {
         answer = std::find_if(guests_.begin(), guests_.end(), [&](const Guest& guest) {
                    return guest.id == host.id;
                  })->buffer.data();
@@ -602,20 +593,20 @@ void Coupler::Impl::agree() {
   constexpr int moved_out = 1;
   constexpr int failed = 2;
   int state = failed_ != INT_MAX ? failed : (moved_out_ ? moved_out : fine);
-  check(MPI_Allreduce(MPI_IN_PLACE, &state, 1, MPI_INT, MPI_MAX, comm_), "MPI_Allreduce");
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &state, 1, MPI_INT, MPI_MAX, comm_.get()), "MPI_Allreduce");
   sent(sizeof state);
   watch_.lap(Part::waiting);
   moved_out_ = state == moved_out;
   if (state != failed) return;
   const int own = failed_;
   int body = own;
-  check(MPI_Allreduce(MPI_IN_PLACE, &body, 1, MPI_INT, MPI_MIN, comm_), "MPI_Allreduce");
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &body, 1, MPI_INT, MPI_MIN, comm_.get()), "MPI_Allreduce");
   const int root = entries_[static_cast<std::size_t>(body)].owner;
   std::array<int, 2> header = {static_cast<int>(reason_.size()), failed_marker_};
-  check(MPI_Bcast(header.data(), 2, MPI_INT, root, comm_), "MPI_Bcast");
+  mpi_check(MPI_Bcast(header.data(), 2, MPI_INT, root, comm_.get()), "MPI_Bcast");
   const auto [length, marker] = header;
   reason_.resize(static_cast<std::size_t>(length));
-  check(MPI_Bcast(reason_.data(), length, MPI_CHAR, root, comm_), "MPI_Bcast");
+  mpi_check(MPI_Bcast(reason_.data(), length, MPI_CHAR, root, comm_.get()), "MPI_Bcast");
   failed_ = INT_MAX;
   moved_out_ = true;
   const std::optional<std::size_t> at_fault =

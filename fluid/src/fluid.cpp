@@ -9,15 +9,12 @@
 #include "ductile/fluid/bench.hpp"
 #include "ductile/fluid/d3q19.hpp"
 #include "fluid_impl.hpp"
-#include "halo.hpp"
 
 namespace ductile::fluid {
 namespace {
 
 // The options with all choices made.
-Options validated(MPI_Comm comm, Options options) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
+Options validated(int ranks, Options options) {
   if (!(options.tau > 0.5) || !std::isfinite(options.tau)) {
     reject("tau = " + std::to_string(options.tau) + " must exceed 1/2");
   }
@@ -86,19 +83,14 @@ bool Totals::finite() const {
   return std::isfinite(mass) && momentum.allFinite();
 }
 
-FluidImpl::FluidImpl(MPI_Comm comm, const Options& options) : options_(options) {
-  check_mpi(MPI_Comm_dup(comm, &comm_), "MPI_Comm_dup");
-  MPI_Comm_rank(comm_, &rank_);
-  MPI_Comm_size(comm_, &ranks_);
-  slab_ = share(options.nodes[2], ranks_, rank_);
+FluidImpl::FluidImpl(Communicator comm, const Options& options)
+    : options_(options),
+      comm_(std::move(comm)),
+      slab_(share(options.nodes[2], comm_.size(), comm_.rank())) {
   relaxation_.omega_plus = 1 / options.tau;
   relaxation_.omega_minus = options.collision == Collision::bgk
                                 ? relaxation_.omega_plus
                                 : 1 / (0.5 + options.magic / (options.tau - 0.5));
-}
-
-FluidImpl::~FluidImpl() {
-  MPI_Comm_free(&comm_);
 }
 
 Box FluidImpl::domain() const {
@@ -189,14 +181,14 @@ Totals FluidImpl::totals() {
   // Planes are summed one by one in their order, whoever holds them.
   std::vector<int> counts;
   std::vector<int> offsets;
-  for (int r = 0; r < ranks_; ++r) {
-    const Range s = share(options_.nodes[2], ranks_, r);
+  for (int r = 0; r < comm_.size(); ++r) {
+    const Range s = share(options_.nodes[2], comm_.size(), r);
     counts.push_back(4 * s.size());
     offsets.push_back(4 * s.begin);
   }
   std::vector<double> all(4 * static_cast<std::size_t>(options_.nodes[2]));
-  check_mpi(MPI_Allgatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, all.data(),
-                           counts.data(), offsets.data(), MPI_DOUBLE, comm_),
+  mpi_check(MPI_Allgatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, all.data(),
+                           counts.data(), offsets.data(), MPI_DOUBLE, comm_.get()),
             "MPI_Allgatherv");
   Totals totals;
   for (std::size_t p = 0; p < all.size(); p += 4) {
@@ -259,8 +251,10 @@ void FluidImpl::update_velocity() {
   }
 }
 
-Fluid::Fluid(MPI_Comm comm, const Options& options)
-    : impl_(make_populations(comm, validated(comm, options))) {
+Fluid::Fluid(MPI_Comm comm, const Options& options) {
+  Communicator own(comm);
+  const Options all = validated(own.size(), options);
+  impl_ = make_populations(std::move(own), all);
   initialise([](int, int, int) { return NodeState{}; });
 }
 Fluid::~Fluid() = default;
@@ -271,7 +265,7 @@ const Options& Fluid::options() const {
   return impl_->options_;
 }
 MPI_Comm Fluid::comm() const {
-  return impl_->comm_;
+  return impl_->comm_.get();
 }
 double Fluid::viscosity() const {
   return d3q19::c_s2 * (impl_->options_.tau - 0.5);
@@ -280,7 +274,7 @@ Range Fluid::slab() const {
   return impl_->slab_;
 }
 Range Fluid::slab(int rank) const {
-  return share(impl_->options_.nodes[2], impl_->ranks_, rank);
+  return share(impl_->options_.nodes[2], impl_->comm_.size(), rank);
 }
 Box Fluid::domain() const {
   return impl_->domain();

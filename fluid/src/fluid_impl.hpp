@@ -1,8 +1,6 @@
 // The fluid behind its interface.
 #pragma once
 
-#include <mpi.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "ductile/fluid/fluid.hpp"
+#include "ductile/fluid/mpi.hpp"
 #include "kernel.hpp"
 
 namespace ductile::fluid {
@@ -25,8 +24,8 @@ Range share(int planes, int ranks, int rank);
 class FluidImpl {
  public:
   /// `options` are valid.
-  FluidImpl(MPI_Comm comm, const Options& options);
-  virtual ~FluidImpl();
+  FluidImpl(Communicator comm, const Options& options);
+  virtual ~FluidImpl() = default;
   FluidImpl(const FluidImpl&) = delete;
   FluidImpl& operator=(const FluidImpl&) = delete;
 
@@ -63,9 +62,7 @@ class FluidImpl {
   void fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const;
 
   Options options_;
-  MPI_Comm comm_ = MPI_COMM_NULL;
-  int rank_ = 0;
-  int ranks_ = 1;
+  Communicator comm_;
   Range slab_;
   Relaxation relaxation_{};
   std::int64_t time_ = 0;
@@ -79,6 +76,6 @@ class FluidImpl {
   void list_met();
 };
 
-std::unique_ptr<FluidImpl> make_populations(MPI_Comm comm, const Options& options);
+std::unique_ptr<FluidImpl> make_populations(Communicator comm, const Options& options);
 
 }  // namespace ductile::fluid

@@ -1,27 +1,20 @@
 #include "halo.hpp"
 
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 namespace ductile::fluid {
 
-void check_mpi(int code, const char* call) {
-  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + call + " failed");
-}
-
 template <class Real>
-Halo<Real>::Halo(MPI_Comm comm, const std::array<int, 2>& peers, std::vector<std::size_t> ends)
+Halo<Real>::Halo(const Communicator& comm, const std::array<int, 2>& peers,
+                 std::vector<std::size_t> ends)
     : peers_(peers), ends_(std::move(ends)) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
   for (std::size_t turn = 0; turn < 2; ++turn) {
     receives_[turn].assign(2 * ends_.size(), MPI_REQUEST_NULL);
     sends_[turn].assign(2 * ends_.size(), MPI_REQUEST_NULL);
     for (std::size_t side = 0; side < 2; ++side) {
       if (peers_[side] == MPI_PROC_NULL) continue;
       out_[turn][side].resize(ends_.back());
-      if (peers_[side] == rank) {
+      if (peers_[side] == comm.rank()) {
         // Its own neighbour: what leaves on one side arrives on the other.
         in_[1 - turn][1 - side] = out_[turn][side].data();
         continue;
@@ -34,14 +27,14 @@ Halo<Real>::Halo(MPI_Comm comm, const std::array<int, 2>& peers, std::vector<std
         const int bytes = static_cast<int>((ends_[part] - begin) * sizeof(Real));
         // With two ranks both sides are the same peer: tags tell them apart.
         const int tag = static_cast<int>(2 * part);
-        check_mpi(
-            MPI_Recv_init(received_[turn][side].data() + begin, bytes, MPI_BYTE, peers_[side],
-                          tag + static_cast<int>(side), comm, &receives_[turn][2 * part + side]),
-            "MPI_Recv_init");
-        check_mpi(
-            MPI_Send_init(out_[turn][side].data() + begin, bytes, MPI_BYTE, peers_[side],
-                          tag + static_cast<int>(1 - side), comm, &sends_[turn][2 * part + side]),
-            "MPI_Send_init");
+        mpi_check(MPI_Recv_init(received_[turn][side].data() + begin, bytes, MPI_BYTE, peers_[side],
+                                tag + static_cast<int>(side), comm.get(),
+                                &receives_[turn][2 * part + side]),
+                  "MPI_Recv_init");
+        mpi_check(MPI_Send_init(out_[turn][side].data() + begin, bytes, MPI_BYTE, peers_[side],
+                                tag + static_cast<int>(1 - side), comm.get(),
+                                &sends_[turn][2 * part + side]),
+                  "MPI_Send_init");
       }
     }
   }
@@ -51,7 +44,8 @@ template <class Real>
 Halo<Real>::~Halo() {
   for (auto* requests : {&receives_, &sends_}) {
     for (Requests& of_turn : *requests) {
-      // What was begun is waited for: a request under way cannot be freed with its buffer.
+      // What was begun is waited for: a request under way cannot be freed with its buffer. A
+      // destructor cannot report an error.
       MPI_Waitall(static_cast<int>(of_turn.size()), of_turn.data(), MPI_STATUSES_IGNORE);
       for (MPI_Request& request : of_turn) {
         if (request != MPI_REQUEST_NULL) MPI_Request_free(&request);
@@ -63,14 +57,14 @@ Halo<Real>::~Halo() {
 template <class Real>
 void Halo<Real>::wait(Requests& requests, int first, int count) {
   if (!remote_) return;
-  check_mpi(MPI_Waitall(count, requests.data() + first, MPI_STATUSES_IGNORE), "MPI_Waitall");
+  mpi_check(MPI_Waitall(count, requests.data() + first, MPI_STATUSES_IGNORE), "MPI_Waitall");
 }
 
 template <class Real>
 void Halo<Real>::begin_step() {
   wait(sends_[turn_], 0, 2 * parts());
   for (MPI_Request& request : receives_[1 - turn_]) {
-    if (request != MPI_REQUEST_NULL) check_mpi(MPI_Start(&request), "MPI_Start");
+    if (request != MPI_REQUEST_NULL) mpi_check(MPI_Start(&request), "MPI_Start");
   }
 }
 
@@ -86,7 +80,7 @@ void Halo<Real>::send(int part) {
   for (std::size_t side = 0; side < 2; ++side) {
     MPI_Request& request = sends_[turn_][2 * p + side];
     if (request == MPI_REQUEST_NULL) continue;
-    check_mpi(MPI_Start(&request), "MPI_Start");
+    mpi_check(MPI_Start(&request), "MPI_Start");
     bytes_sent_ += static_cast<std::int64_t>((ends_[p] - begin) * sizeof(Real));
   }
 }
@@ -102,7 +96,7 @@ void Halo<Real>::progress() {
   if (!remote_) return;
   int done = 0;
   Requests& coming = receives_[1 - turn_];
-  check_mpi(MPI_Testall(2 * parts(), coming.data(), &done, MPI_STATUSES_IGNORE), "MPI_Testall");
+  mpi_check(MPI_Testall(2 * parts(), coming.data(), &done, MPI_STATUSES_IGNORE), "MPI_Testall");
 }
 
 template <class Real>

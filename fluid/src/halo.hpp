@@ -8,10 +8,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace ductile::fluid {
+#include "ductile/fluid/mpi.hpp"
 
-/// Throws std::runtime_error naming the call unless `code` is MPI_SUCCESS.
-void check_mpi(int code, const char* call);
+namespace ductile::fluid {
 
 /// The messages between a slab and those below (side 0) and above it (side 1). In each step a slab
 /// gives each of them one number a slot, the same slots every time, and what is given in one step
@@ -21,8 +20,8 @@ template <class Real>
 class Halo {
  public:
   /// `peers`: the ranks below and above, this rank for itself, MPI_PROC_NULL for none. `ends`:
-  /// slots up to the end of each part, the same on all ranks.
-  Halo(MPI_Comm comm, const std::array<int, 2>& peers, std::vector<std::size_t> ends);
+  /// slots up to the end of each part, the same on all ranks. `comm` outlives the halo.
+  Halo(const Communicator& comm, const std::array<int, 2>& peers, std::vector<std::size_t> ends);
   ~Halo();
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;

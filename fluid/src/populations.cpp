@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "ductile/fluid/d3q19.hpp"
 #include "fluid_impl.hpp"
@@ -44,8 +45,8 @@ Real* place_of(const Row<Real>& row, int i) {
 template <class Real>
 class Populations final : public FluidImpl {
  public:
-  Populations(MPI_Comm comm, const Options& options)
-      : FluidImpl(comm, options),
+  Populations(Communicator comm, const Options& options)
+      : FluidImpl(std::move(comm), options),
         nx_(options.nodes[0]),
         ny_(options.nodes[1]),
         slab_of_(options, slab_.size()),
@@ -92,10 +93,10 @@ class Populations final : public FluidImpl {
 
 template <class Real>
 std::array<int, 2> Populations<Real>::peers() const {
-  std::array<int, 2> peers = {rank_ - 1, rank_ + 1};
+  std::array<int, 2> peers = {comm_.rank() - 1, comm_.rank() + 1};
   for (int& peer : peers) {
-    if (options_.boundary[2] == Boundary::periodic) peer = (peer + ranks_) % ranks_;
-    if (peer < 0 || peer >= ranks_) peer = MPI_PROC_NULL;
+    if (options_.boundary[2] == Boundary::periodic) peer = (peer + comm_.size()) % comm_.size();
+    if (peer < 0 || peer >= comm_.size()) peer = MPI_PROC_NULL;
   }
   return peers;
 }
@@ -453,11 +454,11 @@ std::size_t Populations<Real>::memory() const {
 
 }  // namespace
 
-std::unique_ptr<FluidImpl> make_populations(MPI_Comm comm, const Options& options) {
+std::unique_ptr<FluidImpl> make_populations(Communicator comm, const Options& options) {
   if (options.storage == Storage::single_precision) {
-    return std::make_unique<Populations<float>>(comm, options);
+    return std::make_unique<Populations<float>>(std::move(comm), options);
   }
-  return std::make_unique<Populations<double>>(comm, options);
+  return std::make_unique<Populations<double>>(std::move(comm), options);
 }
 
 }  // namespace ductile::fluid
