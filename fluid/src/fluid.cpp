@@ -72,108 +72,23 @@ void reject(const std::string& what) {
   throw std::invalid_argument("fluid: " + what);
 }
 
-Range share(int planes, int ranks, int rank) {
-  const auto start = [&](int r) {
-    return static_cast<int>(static_cast<std::int64_t>(planes) * r / ranks);
-  };
-  return {start(rank), start(rank + 1)};
-}
-
 bool Totals::finite() const {
   return std::isfinite(mass) && momentum.allFinite();
 }
 
 FluidImpl::FluidImpl(Communicator comm, const Options& options)
-    : options_(options),
-      comm_(std::move(comm)),
-      slab_(share(options.nodes[2], comm_.size(), comm_.rank())) {
+    : options_(options), comm_(std::move(comm)), slab_(slab(comm_.rank())) {
   relaxation_.omega_plus = 1 / options.tau;
   relaxation_.omega_minus = options.collision == Collision::bgk
                                 ? relaxation_.omega_plus
                                 : 1 / (0.5 + options.magic / (options.tau - 0.5));
 }
 
-Box FluidImpl::domain() const {
-  Box box;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int wall = options_.boundary[axis] == Boundary::regularized ? 1 : 0;
-    box[axis] = {wall, options_.nodes[axis] - wall};
-  }
-  if (options_.mirror != Mirror::none) box[1].begin = image(box[1].end - 1);
-  return box;
-}
-
-Box FluidImpl::with_image(Box box) const {
-  if (options_.mirror != Mirror::none && box[1].begin < 0) {
-    box[1].end = std::max(box[1].end, image(box[1].begin) + 1);
-  }
-  return box;
-}
-
-void FluidImpl::place_boxes(std::span<const Box> boxes) {
-  const Box allowed = domain();
-  patches_.clear();
-  for (std::size_t b = 0; b < boxes.size(); ++b) {
-    const Box& box = boxes[b];
-    const int nz = options_.nodes[2];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const bool wraps = axis == 2 && options_.boundary[2] == Boundary::periodic;
-      if (box[axis].size() < 1 || (wraps && box[axis].size() > nz) ||
-          (!wraps &&
-           (box[axis].begin < allowed[axis].begin || box[axis].end > allowed[axis].end))) {
-        reject("box of nodes " + std::to_string(box[axis].begin) + " to " +
-               std::to_string(box[axis].end) + " along " + std::string(1, "xyz"[axis]) +
-               " is not inside the fluid");
-      }
-    }
-    if (with_image(box)[1].end != box[1].end) {
-      reject("box of nodes " + std::to_string(box[1].begin) + " to " + std::to_string(box[1].end) +
-             " along y does not hold the image of its nodes below the mirror plane");
-    }
-    // Periodic images of the slab that the box may meet.
-    const int first = static_cast<int>(std::floor(static_cast<double>(box[2].begin) / nz));
-    for (int image = first; image * nz < box[2].end; ++image) {
-      const int begin = std::max(box[2].begin, slab_.begin + image * nz);
-      const int end = std::min(box[2].end, slab_.end + image * nz);
-      if (begin >= end) continue;
-      Patch patch;
-      patch.box = static_cast<int>(b);
-      patch.begin = {box[0].begin, box[1].begin, begin - image * nz};
-      patch.size = {box[0].size(), box[1].size(), end - begin};
-      patch.pitch = patch.size[2] + 2 * Patch::pad;
-      const auto count = static_cast<std::size_t>(patch.size[0] * patch.size[1] * patch.pitch);
-      patch.density.assign(count, 1.0);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        patch.momentum[axis].assign(count, 0.0);
-        patch.force[axis].assign(count, 0.0);
-        patch.velocity[axis].assign(count, 0.0);
-      }
-      patches_.push_back(std::move(patch));
-    }
-  }
-  list_met();
-}
-
-void FluidImpl::list_met() {
-  const std::size_t columns = column(options_.nodes[0], 0);
-  std::vector<std::vector<std::size_t>> met(columns);
-  for (std::size_t p = 0; p < patches_.size(); ++p) {
-    const Patch& patch = patches_[p];
-    for (int i = 0; i < patch.size[0]; ++i) {
-      for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
-        met[column(patch.begin[0] + i, patch.begin[1] + j)].push_back(p);
-      }
-    }
-  }
-  first_met_ = {0};
-  met_.clear();
-  for (auto& of_column : met) {
-    std::sort(of_column.begin(), of_column.end(), [&](std::size_t a, std::size_t b) {
-      return patches_[a].begin[2] < patches_[b].begin[2];
-    });
-    met_.insert(met_.end(), of_column.begin(), of_column.end());
-    first_met_.push_back(met_.size());
-  }
+Range FluidImpl::slab(int rank) const {
+  const auto start = [&](int r) {
+    return static_cast<int>(static_cast<std::int64_t>(options_.nodes[2]) * r / comm_.size());
+  };
+  return {start(rank), start(rank + 1)};
 }
 
 Totals FluidImpl::totals() {
@@ -182,7 +97,7 @@ Totals FluidImpl::totals() {
   std::vector<int> counts;
   std::vector<int> offsets;
   for (int r = 0; r < comm_.size(); ++r) {
-    const Range s = share(options_.nodes[2], comm_.size(), r);
+    const Range s = slab(r);
     counts.push_back(4 * s.size());
     offsets.push_back(4 * s.begin);
   }
@@ -196,59 +111,6 @@ Totals FluidImpl::totals() {
     totals.momentum += Eigen::Vector3d(all[p + 1], all[p + 2], all[p + 3]);
   }
   return totals;
-}
-
-// Below a mirror plane force is not used. On one on nodes, what a body gives from both sides
-// cancels along y, but for round-off.
-void FluidImpl::drop_image_force() {
-  if (options_.mirror == Mirror::none) return;
-  for (Patch& patch : patches_) {
-    for (int i = 0; i < patch.size[0]; ++i) {
-      for (int y = patch.begin[1]; y <= std::min(0, image(0)); ++y) {
-        const auto first = static_cast<std::size_t>(patch.at(i, y - patch.begin[1], -Patch::pad));
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          if (y < 0 || axis == 1) std::fill_n(&patch.force[axis][first], patch.pitch, 0.0);
-        }
-      }
-    }
-  }
-}
-
-void FluidImpl::fill_image(const Patch& patch, std::vector<double>& values, double sign) const {
-  for (int i = 0; i < patch.size[0]; ++i) {
-    for (int y = patch.begin[1]; y < 0; ++y) {
-      const double* from = values.data() + patch.at(i, image(y) - patch.begin[1], 0);
-      double* to = values.data() + patch.at(i, y - patch.begin[1], 0);
-      for (int k = 0; k < patch.size[2]; ++k) to[k] = sign * from[k];
-    }
-  }
-}
-
-void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    fill_image(patch, vectors[axis], axis == 1 ? -1 : 1);
-  }
-}
-
-void FluidImpl::update_velocity() {
-  drop_image_force();
-  for (Patch& patch : patches_) {
-    const int rows = patch.size[0] * patch.size[1];
-    for (int r = 0; r < rows; ++r) {
-      const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        double* u = patch.velocity[axis].data() + first;
-        const double* momentum = patch.momentum[axis].data() + first;
-        const double* force = patch.force[axis].data() + first;
-        const double* density = patch.density.data() + first;
-#pragma GCC ivdep
-        for (int k = 0; k < patch.size[2]; ++k) {
-          u[k] = (momentum[k] + 0.5 * force[k]) / density[k];
-        }
-      }
-    }
-    fill_image(patch, patch.velocity);
-  }
 }
 
 Fluid::Fluid(MPI_Comm comm, const Options& options) {
@@ -274,13 +136,10 @@ Range Fluid::slab() const {
   return impl_->slab_;
 }
 Range Fluid::slab(int rank) const {
-  return share(impl_->options_.nodes[2], impl_->comm_.size(), rank);
+  return impl_->slab(rank);
 }
 Box Fluid::domain() const {
   return impl_->domain();
-}
-Box Fluid::with_image(Box box) const {
-  return impl_->with_image(box);
 }
 std::int64_t Fluid::time() const {
   return impl_->time_;
@@ -294,11 +153,18 @@ std::int64_t Fluid::bytes_sent() const {
 void Fluid::initialise(const std::function<NodeState(int, int, int)>& state) {
   impl_->initialise(state);
 }
+Box Fluid::box_around(const Box& reach) const {
+  return impl_->box_around(reach);
+}
 void Fluid::place_boxes(std::span<const Box> boxes) {
   impl_->place_boxes(boxes);
 }
-std::span<Patch> Fluid::patches() {
-  return impl_->patches_;
+bool Fluid::touches(int rank, const Box& box) const {
+  return impl_->touches(rank, box);
+}
+void Fluid::reached(int rank, std::span<const double> positions, std::vector<int>& points,
+                    std::vector<char>& whole) const {
+  impl_->reached(rank, positions, points, whole);
 }
 void Fluid::read_velocity() {
   impl_->read_velocity();
@@ -317,7 +183,7 @@ Totals Fluid::totals() {
 }
 
 void stream_only(Fluid& fluid) {
-  fluid.impl_->stream();
+  Inside::of(fluid).stream();
 }
 
 }  // namespace ductile::fluid

@@ -12,14 +12,12 @@
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "kernel.hpp"
+#include "patch.hpp"
 
 namespace ductile::fluid {
 
 /// Throws std::invalid_argument.
 [[noreturn]] void reject(const std::string& what);
-/// The planes of a rank.
-Range share(int planes, int ranks, int rank);
-
 /// What does not depend on how populations are stored.
 class FluidImpl {
  public:
@@ -40,11 +38,21 @@ class FluidImpl {
   [[nodiscard]] virtual std::size_t memory() const = 0;
   [[nodiscard]] virtual std::int64_t bytes_sent() const = 0;
 
+  [[nodiscard]] Box box_around(const Box& reach) const;
   void place_boxes(std::span<const Box> boxes);
+  [[nodiscard]] bool touches(int rank, const Box& box) const;
+  void reached(int rank, std::span<const double> positions, std::vector<int>& points,
+               std::vector<char>& whole) const;
   void update_velocity();
   Totals totals();
   [[nodiscard]] Box domain() const;
+  /// The box, made larger if it must be to hold the image of all that it has below a mirror plane.
   [[nodiscard]] Box with_image(Box box) const;
+  [[nodiscard]] Range slab(int rank) const;
+  /// The number of planes after which z repeats, 0 if it does not.
+  [[nodiscard]] int period() const {
+    return options_.boundary[2] == Boundary::periodic ? options_.nodes[2] : 0;
+  }
   /// The node of which node y is the image in the mirror plane, and the other way round.
   [[nodiscard]] int image(int y) const {
     return options_.mirror == Mirror::between_nodes ? -1 - y : -y;
@@ -66,6 +74,8 @@ class FluidImpl {
   Range slab_;
   Relaxation relaxation_{};
   std::int64_t time_ = 0;
+  std::vector<Box> boxes_;   // disjoint
+  std::vector<int> holder_;  // of each box that was asked for, the one of boxes_ that it lies in
   std::vector<Patch> patches_;
   /// Of each column the patches that meet it, from low to high z: those of column c are
   /// met_[first_met_[c]] to met_[first_met_[c + 1]].
@@ -73,7 +83,13 @@ class FluidImpl {
   std::vector<std::size_t> met_;
 
  private:
+  void place_patches(int index);
   void list_met();
+};
+
+/// What is behind a Fluid.
+struct Inside {
+  static FluidImpl& of(Fluid& fluid) { return *fluid.impl_; }
 };
 
 std::unique_ptr<FluidImpl> make_populations(Communicator comm, const Options& options);

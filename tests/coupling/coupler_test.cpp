@@ -7,7 +7,6 @@
 #include <random>
 
 #include "coupling/bodies.hpp"
-#include "layout.hpp"
 
 namespace {
 
@@ -209,7 +208,7 @@ TEST(Coupler, NamesTheBodyThatFails) {
   int calls = 0;
   Explicit good({4, 4, 4}, nullptr);
   Explicit bad({11, 11, 11}, [&](auto, auto) {
-    if (++calls == 3) throw coupling::MarkerError(0, "vertex 0 has had enough");
+    if (++calls == 3) throw coupling::MarkerError(0, "marker 0 has had enough");
   });
   Coupler coupler(fluid, {{0, &good}, {1, &bad}}, 2);
   coupler.step();
@@ -221,7 +220,7 @@ TEST(Coupler, NamesTheBodyThatFails) {
     EXPECT_EQ(failure.body(), 1);
     EXPECT_EQ(failure.marker(), 0U);
     EXPECT_EQ(failure.step(), 2);
-    EXPECT_EQ(failure.reason(), "vertex 0 has had enough");
+    EXPECT_EQ(failure.reason(), "marker 0 has had enough");
   }
 }
 
@@ -243,7 +242,7 @@ TEST(Coupler, RefusesMarkersThatReachAWall) {
   EXPECT_NE(failure({1.9, 8, 8}).find("along x"), std::string::npos);
   EXPECT_NE(failure({8, 0.9, 8}).find("along y"), std::string::npos);
   EXPECT_NE(failure({8, 14.1, 8}).find("along y"), std::string::npos);
-  EXPECT_NE(failure({8, NAN, 8}).find("vertex 0 is not finite"), std::string::npos);
+  EXPECT_NE(failure({8, NAN, 8}).find("marker 0 is not finite"), std::string::npos);
 }
 
 TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {
@@ -253,74 +252,6 @@ TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {
   EXPECT_THROW(Coupler(fluid, {{0, &a}, {0, &b}}, 2), std::invalid_argument);
   EXPECT_THROW(Coupler(fluid, {{0, &a}, {2, &b}}, 2), std::invalid_argument);
   EXPECT_THROW(Coupler(fluid, {{0, &a}}, 2), std::invalid_argument);
-}
-
-// Random boxes: merged ones are disjoint, hold the old ones, and do not depend on their order.
-TEST(Layout, MergedBoxesAreDisjointAndHoldAll) {
-  std::mt19937 random(7);
-  const auto between = [&](int low, int high) {
-    return std::uniform_int_distribution<int>(low, high)(random);
-  };
-  for (int trial = 0; trial < 300; ++trial) {
-    const int period = trial % 2 == 0 ? 40 : 0;
-    std::vector<fluid::Box> boxes;
-    for (int n = between(1, 8); n > 0; --n) {
-      fluid::Box b;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const int begin = axis == 2 && period > 0 ? between(-100, 100) : between(0, 30);
-        b[axis] = {begin, begin + between(4, 9)};
-      }
-      boxes.push_back(b);
-    }
-    const auto key = [](const fluid::Box& b) {
-      return std::array<int, 6>{b[0].begin, b[0].end, b[1].begin, b[1].end, b[2].begin, b[2].end};
-    };
-    const auto sorted = [&](std::vector<fluid::Box> list) {
-      std::vector<std::array<int, 6>> keys;
-      for (const fluid::Box& b : list) keys.push_back(key(b));
-      std::sort(keys.begin(), keys.end());
-      return keys;
-    };
-    const std::vector<fluid::Box> result = coupling::merged(boxes, period);
-    for (const fluid::Box& b : boxes) {
-      EXPECT_EQ(std::count_if(
-                    result.begin(), result.end(),
-                    [&](const fluid::Box& outer) { return coupling::contains(outer, b, period); }),
-                1);
-    }
-    for (std::size_t a = 0; a < result.size(); ++a) {
-      for (std::size_t b = 0; b < a; ++b) {
-        bool meet = true;
-        for (const std::size_t axis : {0U, 1U}) {
-          meet = meet && result[a][axis].begin < result[b][axis].end &&
-                 result[b][axis].begin < result[a][axis].end;
-        }
-        meet = meet &&
-               coupling::touches(result[a][2].begin, result[a][2].size(), result[b][2], period);
-        EXPECT_FALSE(meet);
-      }
-    }
-    std::shuffle(boxes.begin(), boxes.end(), random);
-    EXPECT_EQ(sorted(coupling::merged(boxes, period)), sorted(result));
-  }
-}
-
-TEST(Layout, TouchesAndWithinAgreeWithCounting) {
-  for (const int period : {0, 10}) {
-    for (int first = -14; first < 25; ++first) {
-      for (int count = 1; count <= 10; ++count) {
-        for (const fluid::Range slab : {fluid::Range{0, 3}, {3, 7}, {7, 10}, {0, 10}}) {
-          int inside = 0;
-          for (int p = first; p < first + count; ++p) {
-            const int plane = period > 0 ? ((p % period) + period) % period : p;
-            inside += plane >= slab.begin && plane < slab.end ? 1 : 0;
-          }
-          EXPECT_EQ(coupling::touches(first, count, slab, period), inside > 0);
-          EXPECT_EQ(coupling::within(first, count, slab, period), inside == count);
-        }
-      }
-    }
-  }
 }
 
 }  // namespace

@@ -6,11 +6,13 @@
 #include <random>
 #include <stdexcept>
 
+#include "fluid/inside.hpp"
 #include "fluid/two_lattice.hpp"
 
 namespace {
 
 using namespace ductile::fluid;
+using ductile::test::patches;
 using ductile::test::TwoLattice;
 
 constexpr auto periodic = Boundary::periodic;
@@ -100,7 +102,7 @@ TEST_P(InPlace, StepIsTheLatticeBoltzmannEquation) {
   }
   for (int step = 1; step <= 7; ++step) {
     fluid.read_velocity();
-    for (Patch& patch : fluid.patches()) {
+    for (Patch& patch : patches(fluid)) {
       for (int i = 0; i < patch.size[0]; ++i) {
         for (int j = 0; j < patch.size[1]; ++j) {
           for (int k = 0; k < patch.size[2]; ++k) {
@@ -197,11 +199,11 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
   fluid.place_boxes(boxes);
   fluid.read_velocity();
   std::size_t nodes = 0;
-  for (Patch& patch : fluid.patches()) {
+  for (Patch& patch : patches(fluid)) {
     for (auto& f : patch.force) std::fill(f.begin(), f.end(), 0.04);
   }
   fluid.update_velocity();
-  for (const Patch& patch : fluid.patches()) {
+  for (const Patch& patch : patches(fluid)) {
     for (int i = 0; i < patch.size[0]; ++i) {
       for (int j = 0; j < patch.size[1]; ++j) {
         for (int k = 0; k < patch.size[2]; ++k, ++nodes) {
@@ -230,7 +232,7 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
     fluid.place_boxes(boxes);
     for (int step = 0; step < 4; ++step) {
       fluid.read_velocity();
-      for (Patch& patch : fluid.patches()) {
+      for (Patch& patch : patches(fluid)) {
         for (auto& f : patch.force) {
           for (std::size_t n = 0; n < f.size(); ++n) {
             f[n] = 1e-3 * std::sin(static_cast<double>(n) + step);
@@ -239,10 +241,10 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
       }
       fluid.update_velocity();
       std::vector<std::array<std::vector<double>, 3>> told;
-      for (const Patch& patch : fluid.patches()) told.push_back(patch.velocity);
+      for (const Patch& patch : patches(fluid)) told.push_back(patch.velocity);
       fluid.step();
       for (std::size_t p = 0; p < told.size(); ++p) {
-        const Patch& patch = fluid.patches()[p];
+        const Patch& patch = patches(fluid)[p];
         for (std::size_t a = 0; a < 3; ++a) {
           for (std::size_t n = 0; n < told[p][a].size(); ++n) {
             ASSERT_NEAR(patch.velocity[a][n], told[p][a][n], 1e-16);
@@ -280,7 +282,7 @@ TEST(InstructionSets, GiveTheSameBits) {
         const std::array<Box, 1> boxes = {Box{{{1, 4}, {low, 4}, {3, 40}}}};
         fluid.place_boxes(boxes);
         for (int step = 0; step < 5; ++step) {
-          for (Patch& patch : fluid.patches()) {
+          for (Patch& patch : patches(fluid)) {
             for (std::size_t n = 0; n < patch.force[0].size(); ++n) {
               patch.force[1][n] = 1e-3 * std::sin(static_cast<double>(n) + step);
             }

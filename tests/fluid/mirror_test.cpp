@@ -5,10 +5,12 @@
 #include <tuple>
 
 #include "ductile/fluid/fluid.hpp"
+#include "fluid/inside.hpp"
 
 namespace {
 
 using namespace ductile::fluid;
+using ductile::test::patches;
 
 constexpr int nx = 7;
 constexpr int nz = 13;
@@ -59,7 +61,7 @@ double eta_of(const Options& o, int y) {
 // Below the plane and along y on it, the half's force is not used: it is given nonsense.
 void force(Fluid& fluid, int step) {
   const bool mirrored = fluid.options().mirror != Mirror::none;
-  for (Patch& patch : fluid.patches()) {
+  for (Patch& patch : patches(fluid)) {
     for (int i = 0; i < patch.size[0]; ++i) {
       for (int j = 0; j < patch.size[1]; ++j) {
         for (int k = 0; k < patch.size[2]; ++k) {
@@ -79,10 +81,10 @@ void force(Fluid& fluid, int step) {
 
 void expect_same_patches(Fluid& half, Fluid& whole, int first_row, double round_off,
                          const char* when) {
-  ASSERT_EQ(half.patches().size(), whole.patches().size());
-  for (std::size_t p = 0; p < half.patches().size(); ++p) {
-    const Patch& a = half.patches()[p];
-    const Patch& b = whole.patches()[p];
+  ASSERT_EQ(patches(half).size(), patches(whole).size());
+  for (std::size_t p = 0; p < patches(half).size(); ++p) {
+    const Patch& a = patches(half)[p];
+    const Patch& b = patches(whole)[p];
     ASSERT_EQ(a.size, b.size);
     ASSERT_EQ(a.begin[1] + first_row, b.begin[1]);
     for (std::size_t n = 0; n < a.density.size(); ++n) {
@@ -136,7 +138,7 @@ TEST_P(HalfAndWhole, AreTheSame) {
       fluid->step();
     }
     expect_same_patches(half, whole, p.first_row, round_off, "as left");
-    for (const Patch& patch : half.patches()) {
+    for (const Patch& patch : patches(half)) {
       for (const auto& f : patch.force) {
         for (const double value : f) ASSERT_EQ(value, 0);
       }
@@ -188,13 +190,15 @@ TEST(Mirror, BodiesMayActUpToTheImageOfTheWall) {
       Fluid half(MPI_COMM_SELF, p.half);
       EXPECT_EQ(half.domain()[1].begin + p.first_row, whole.domain()[1].begin);
       EXPECT_EQ(half.domain()[1].end + p.first_row, whole.domain()[1].end);
-      const std::array<Box, 1> all = {half.domain()};
-      EXPECT_NO_THROW(half.place_boxes(all));
-      std::array<Box, 1> lower = all;
-      lower[0][1].end = 1;
-      EXPECT_THROW(half.place_boxes(lower), std::invalid_argument);
-      EXPECT_EQ(half.with_image(lower[0])[1].end, all[0][1].end);
-      EXPECT_EQ(half.with_image(lower[0])[1].begin, all[0][1].begin);
+      const Box all = half.domain();
+      Box lower = all;
+      lower[1].end = 1;
+      EXPECT_EQ(half.box_around(lower)[1], all[1]);
+      const std::array<Box, 1> boxes = {lower};
+      half.place_boxes(boxes);
+      ASSERT_EQ(patches(half).size(), 1U);
+      EXPECT_EQ(patches(half)[0].begin[1], all[1].begin);
+      EXPECT_EQ(patches(half)[0].size[1], all[1].size());
     }
   }
 }

@@ -1,13 +1,20 @@
 // The same bits on any number of ranks: each rank also computes the whole fluid on its own.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "ductile/fluid/fluid.hpp"
+#include "ductile/fluid/mpi.hpp"
+#include "ductile/fluid/points.hpp"
+#include "fluid/inside.hpp"
 
 namespace {
 
 using namespace ductile::fluid;
+using ductile::test::patches;
 
 class Ranks : public testing::TestWithParam<std::tuple<Boundary, Boundary, Storage, Mirror>> {};
 
@@ -40,7 +47,7 @@ TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
   for (int step = 0; step < 5; ++step) {
     for (Fluid* fluid : {&cut, &whole}) {
       fluid->read_velocity();
-      for (Patch& patch : fluid->patches()) {
+      for (Patch& patch : patches(*fluid)) {
         for (int i = 0; i < patch.size[0]; ++i) {
           for (int j = 0; j < patch.size[1]; ++j) {
             for (int k = 0; k < patch.size[2]; ++k) {
@@ -89,6 +96,61 @@ INSTANTIATE_TEST_SUITE_P(Mirrored, Ranks,
                                           testing::Values(Storage::double_precision,
                                                           Storage::single_precision),
                                           testing::Values(Mirror::between_nodes, Mirror::on_node)));
+
+// Each rank tells of each point what its own planes give, and nothing else; together they tell what
+// one rank with the whole fluid does. What reached() says of a rank is what that rank finds.
+TEST_P(Ranks, PointsAreToldTheSamePlaneByPlane) {
+  Options o;
+  o.nodes = {12, 12, 24};
+  o.boundary = {std::get<0>(GetParam()), std::get<0>(GetParam()), std::get<1>(GetParam())};
+  o.storage = std::get<2>(GetParam());
+  o.mirror = std::get<3>(GetParam());
+  const bool wraps = o.boundary[2] == Boundary::periodic;
+  constexpr std::size_t count = 60;
+  std::vector<double> x;
+  std::vector<double> force;
+  for (std::size_t m = 0; m < count; ++m) {
+    const auto a = static_cast<double>(m);
+    x.insert(x.end(), {5.5 + 2.3 * std::sin(a), 5.5 + 2.3 * std::cos(3 * a),
+                       wraps ? 12 + 11 * std::sin(5 * a) - 24 : 11.5 + 9 * std::sin(5 * a)});
+    force.insert(force.end(), {1e-3 * std::cos(a), 1e-3 * std::sin(2 * a), 1e-3});
+  }
+  const Box reach = {{{2, 10}, {2, 10}, {wraps ? -24 : 1, wraps ? 0 : 23}}};
+  Fluid cut(MPI_COMM_WORLD, o);
+  Fluid whole(MPI_COMM_SELF, o);
+  const std::array<Box, 1> boxes = {whole.box_around(reach)};
+  std::vector<std::vector<double>> told;
+  std::vector<int> reached;
+  std::vector<char> has_whole;
+  const Communicator world(MPI_COMM_WORLD);
+  cut.reached(world.rank(), x, reached, has_whole);
+  EXPECT_TRUE(cut.touches(world.rank(), boxes[0]));
+  for (Fluid* fluid : {&cut, &whole}) {
+    fluid->place_boxes(boxes);
+    Points points(*fluid, 0);
+    for (int step = 0; step < 3; ++step) {
+      points.locate(x);
+      points.add_force(force);
+      fluid->step();
+    }
+    told.emplace_back(12 * count);
+    points.velocities(told.back());
+    std::size_t next = 0;
+    for (std::size_t m = 0; fluid == &cut && m < count; ++m) {
+      const bool here = next < reached.size() && reached[next] == static_cast<int>(m);
+      EXPECT_EQ(points.whole(m), here && has_whole[next] != 0);
+      const double* partial = &told.back()[12 * m];
+      if (here) ++next;
+      EXPECT_EQ(here, std::any_of(partial, partial + 12, [](double p) { return p != 0; }));
+    }
+    EXPECT_EQ(next, fluid == &cut ? reached.size() : 0U);
+  }
+  // All but one of the terms are zero.
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, told[0].data(), static_cast<int>(told[0].size()),
+                          MPI_DOUBLE, MPI_SUM, world.get()),
+            "MPI_Allreduce");
+  EXPECT_EQ(told[0], told[1]);
+}
 
 TEST(Slabs, ShareThePlanesEvenly) {
   Options o;

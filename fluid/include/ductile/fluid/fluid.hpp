@@ -80,42 +80,19 @@ struct Range {
   int begin = 0;
   int end = 0;
   [[nodiscard]] int size() const { return end - begin; }
+  bool operator==(const Range&) const = default;
 };
 
-/// A box of nodes around bodies. z may run outside [0, nz) where the axis is periodic, y below 0
-/// where there is a mirror plane.
+/// A box of nodes. z may run outside [0, nz) where the axis is periodic, y below 0 where there is a
+/// mirror plane.
 using Box = std::array<Range, 3>;
-
-/// The part of a box that lies on this rank: where a force acts that varies from node to node, and
-/// where the velocity is known. Arrays run over x, y, z, z fastest; each row of z is `pitch` long,
-/// with `pad` planes on either side of the `size[2]` that are this rank's own. In those planes the
-/// velocity is 0 and the force is ignored, so that a stencil may reach over the edge.
-///
-/// Below a mirror plane density and velocity are the image of those above, and the force is taken
-/// to be, whatever is written there: a body across the plane may spread its force on both sides. On
-/// the plane no force acts along y.
-struct Patch {
-  static constexpr int pad = 4;
-  int box = 0;                 ///< index of the box it belongs to
-  std::array<int, 3> begin{};  ///< first own node; z in [0, nz)
-  std::array<int, 3> size{};   ///< own nodes along each axis
-  std::ptrdiff_t pitch = 0;
-
-  std::array<std::vector<double>, 3> force;     ///< beyond the uniform one, for the next step
-  std::array<std::vector<double>, 3> velocity;  ///< (rho u0 + force/2)/rho
-  std::vector<double> density;                  ///< as of read_velocity()
-  std::array<std::vector<double>, 3> momentum;  ///< rho u0, likewise
-
-  /// Index of node (i, j, k), counted from `begin`; k may lie in the padding.
-  [[nodiscard]] std::ptrdiff_t at(int i, int j, int k) const {
-    return (static_cast<std::ptrdiff_t>(i) * size[1] + j) * pitch + pad + k;
-  }
-};
 
 class FluidImpl;
 
-/// The fluid's populations and their evolution. Every member marked collective is called by all
-/// ranks of the communicator, in the same order.
+/// The fluid's populations and their evolution. Forces act and velocities are told at points
+/// (points.hpp), in boxes of nodes placed around them; how nodes are kept in memory and shared
+/// among ranks is the fluid's own affair. Every member marked collective is called by all ranks of
+/// the communicator, in the same order.
 class Fluid {
  public:
   /// Collective. Each rank holds an even share of the planes. The fluid is at rest.
@@ -138,13 +115,11 @@ class Fluid {
   /// Planes of this rank, and of any rank.
   [[nodiscard]] Range slab() const;
   [[nodiscard]] Range slab(int rank) const;
-  /// Nodes on which a body may act: all but the walls' own, and with a mirror plane their images.
+  /// Nodes that points may reach: all but the walls' own, and with a mirror plane their images.
   [[nodiscard]] Box domain() const;
-  /// The box, made larger if it must be to hold the image of all that it has below a mirror plane.
-  [[nodiscard]] Box with_image(Box box) const;
   /// Time steps done.
   [[nodiscard]] std::int64_t time() const;
-  /// Bytes held by this rank: populations, messages and patches.
+  /// Bytes held by this rank: populations, messages, and force and velocity in the boxes.
   [[nodiscard]] std::size_t memory() const;
   /// Bytes of populations that this rank has sent to other ranks.
   [[nodiscard]] std::int64_t bytes_sent() const;
@@ -155,22 +130,33 @@ class Fluid {
   /// symmetric where a mirror plane lies on them; time is reset to 0. Collective.
   void initialise(const std::function<NodeState(int, int, int)>& state);
 
-  /// Replaces the boxes by these, which must be disjoint, inside domain() and hold the images of
-  /// their nodes below a mirror plane; each rank keeps its part. Forces are zero until written.
-  /// Every rank is given all boxes. Throws std::invalid_argument for a box that is not so.
+  /// The box to place for points that reach the nodes of `reach`, which domain() holds and which is
+  /// no longer than a periodic channel: with room for the points to move by a node or two, of a
+  /// length that is quick to compute, and with the images of its nodes below a mirror plane.
+  [[nodiscard]] Box box_around(const Box& reach) const;
+  /// Replaces the boxes in which points act, one for each body or group of points; they may
+  /// overlap. Force in them is zero. Every rank is given all boxes and keeps what is its own. Not
+  /// collective. Throws std::invalid_argument for a box that is not inside domain() or longer than
+  /// a periodic channel.
   void place_boxes(std::span<const Box> boxes);
-  [[nodiscard]] std::span<Patch> patches();
+  /// Whether the rank holds any node of the box.
+  [[nodiscard]] bool touches(int rank, const Box& box) const;
+  /// points <- those of the positions, 3n numbers, that reach nodes of the rank, in their order,
+  /// and whole <- for each of these 1 if that rank holds all nodes that it reaches, else 0: what
+  /// Points::whole() says there.
+  void reached(int rank, std::span<const double> positions, std::vector<int>& points,
+               std::vector<char>& whole) const;
 
-  /// Reads density and momentum (half of the uniform force in, eq. (6)) in all patches from the
+  /// Reads density and momentum (half of the uniform force in, eq. (6)) in all boxes from the
   /// populations: for bodies that must know the velocity before they choose their force.
   /// Collective.
   void read_velocity();
-  /// In all patches, velocity <- (momentum + force/2)/density.
+  /// In all boxes, velocity <- (momentum + force/2)/density.
   void update_velocity();
 
   /// One time step, eqs. (2)-(6), from t to t + 1: collides with the uniform force plus that of the
-  /// patches, and streams. Leaves in the patches the velocity at t, half of the whole force in, and
-  /// no force. Collective.
+  /// points, and streams. Leaves in the boxes the velocity at t, half of the whole force in, and no
+  /// force. Collective.
   void step();
 
   /// Density and velocity (half of the uniform force in) of the own slab: nx ny nz_own numbers,
@@ -182,7 +168,7 @@ class Fluid {
   Totals totals();
 
  private:
-  friend void stream_only(Fluid& fluid);
+  friend struct Inside;
   std::unique_ptr<FluidImpl> impl_;
 };
 

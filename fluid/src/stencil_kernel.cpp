@@ -3,7 +3,7 @@
 // function with external linkage might be linked from here into code for a lesser machine.
 #include "stencil_kernel.hpp"
 
-namespace ductile::coupling {
+namespace ductile::fluid {
 namespace {
 
 // N numbers side by side.
@@ -42,26 +42,26 @@ template <class Number, class F>
 
 // Index of the stencil's first node; its rows in x and in y are `size[1]` pitches and one apart.
 template <class Number>
-[[gnu::always_inline]] inline std::ptrdiff_t corner(const StencilMarker& marker,
+[[gnu::always_inline]] inline std::ptrdiff_t corner(const Stencil& point,
                                                     const PatchField<Number>& field, int k) {
-  const std::ptrdiff_t i = marker.base[0] - field.begin[0];
-  const std::ptrdiff_t j = marker.base[1] - field.begin[1];
+  const std::ptrdiff_t i = point.base[0] - field.begin[0];
+  const std::ptrdiff_t j = point.base[1] - field.begin[1];
   return (i * field.size[1] + j) * field.pitch + field.pad + k;
 }
 
-void spread(const StencilMarker* markers, std::size_t count, const double* force,
+void spread(const Stencil* points, std::size_t count, const double* force,
             const PatchField<double>& field, int period) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
   for (std::size_t m = 0; m < count; ++m) {
-    const StencilMarker& marker = markers[m];
+    const Stencil& point = points[m];
     for_images(
-        marker.base[2], field, period, [&](int k) __attribute__((always_inline)) {
-          const Lanes<4> z = load<4>(marker.phi[2]);
+        point.base[2], field, period, [&](int k) __attribute__((always_inline)) {
+          const Lanes<4> z = load<4>(point.phi[2]);
           const Lanes<4> f[3] = {z * force[3 * m], z * force[3 * m + 1], z * force[3 * m + 2]};
-          const std::ptrdiff_t first = corner(marker, field, k);
+          const std::ptrdiff_t first = corner(point, field, k);
           for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
-              const double w = marker.phi[0][i] * marker.phi[1][j];
+              const double w = point.phi[0][i] * point.phi[1][j];
               const std::ptrdiff_t n = first + i * across + j * field.pitch;
               for (int axis = 0; axis < 3; ++axis) {
                 double* to = field.component[axis] + n;
@@ -73,24 +73,24 @@ void spread(const StencilMarker* markers, std::size_t count, const double* force
   }
 }
 
-void interpolate(const StencilMarker* markers, std::size_t count,
-                 const PatchField<const double>& field, int period, double* partial) {
+void interpolate(const Stencil* points, std::size_t count, const PatchField<const double>& field,
+                 int period, double* partial) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
   for (std::size_t m = 0; m < count; ++m) {
-    const StencilMarker& marker = markers[m];
+    const Stencil& point = points[m];
     for_images(
-        marker.base[2], field, period, [&](int k) __attribute__((always_inline)) {
+        point.base[2], field, period, [&](int k) __attribute__((always_inline)) {
           Lanes<4> u[3] = {};
-          const std::ptrdiff_t first = corner(marker, field, k);
+          const std::ptrdiff_t first = corner(point, field, k);
           for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
-              const double w = marker.phi[0][i] * marker.phi[1][j];
+              const double w = point.phi[0][i] * point.phi[1][j];
               const std::ptrdiff_t n = first + i * across + j * field.pitch;
               for (int axis = 0; axis < 3; ++axis)
                 u[axis] += w * load<4>(field.component[axis] + n);
             }
           }
-          const Lanes<4> z = load<4>(marker.phi[2]);
+          const Lanes<4> z = load<4>(point.phi[2]);
           for (int axis = 0; axis < 3; ++axis) {
             double* sum = partial + 12 * m + 4 * axis;
             store<4>(sum, load<4>(sum) + z * u[axis]);
@@ -99,56 +99,15 @@ void interpolate(const StencilMarker* markers, std::size_t count,
   }
 }
 
-void respond(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
-             const double* force, double* grid, double* velocity) {
-  const auto row = [=](const ResponseMarker& marker, std::size_t i, std::size_t j)
-      __attribute__((always_inline)) {
-    return grid + 4 * (marker.corner + (i * size[1] + j) * size[2]);
-  };
-  for (std::size_t m = 0; m < count; ++m) {
-    const ResponseMarker& marker = markers[m];
-    const Lanes<4> f = {force[3 * m], force[3 * m + 1], force[3 * m + 2], 0};
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < 4; ++j) {
-        double* node = row(marker, i, j);
-        const Lanes<4> g = marker.across[4 * i + j] * f;
-        // A node at a time: what the marker before has just stored is then loaded as it was stored.
-        for (std::size_t k = 0; k < 4; ++k) {
-          store<4>(node + 4 * k, load<4>(node + 4 * k) + marker.along[k] * g);
-        }
-      }
-    }
-  }
-  for (std::size_t m = 0; m < count; ++m) {
-    const ResponseMarker& marker = markers[m];
-    Lanes<8> first{};  // two nodes at a time
-    Lanes<8> second{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < 4; ++j) {
-        const double* node = row(marker, i, j);
-        const double w = marker.across[4 * i + j];
-        first += w * load<8>(node);
-        second += w * load<8>(node + 8);
-      }
-    }
-    const double* p = marker.along;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      velocity[3 * m + axis] =
-          0.5 * (((p[0] * first[axis] + p[1] * first[4 + axis]) + p[2] * second[axis]) +
-                 p[3] * second[4 + axis]);
-    }
-  }
-}
-
 }  // namespace
 
 namespace DUCTILE_INSTRUCTION_SET {
 
 const StencilKernel& stencil_kernel() {
-  static constexpr StencilKernel functions = {spread, interpolate, respond};
+  static constexpr StencilKernel functions = {spread, interpolate};
   return functions;
 }
 
 }  // namespace DUCTILE_INSTRUCTION_SET
 
-}  // namespace ductile::coupling
+}  // namespace ductile::fluid

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-namespace ductile::coupling {
+namespace ductile::fluid {
 namespace {
 
-bool overlap(const fluid::Range& a, const fluid::Range& b) {
+bool overlap(const Range& a, const Range& b) {
   return a.begin < b.end && b.begin < a.end;
 }
-fluid::Range join(const fluid::Range& a, const fluid::Range& b) {
+Range join(const Range& a, const Range& b) {
   return {std::min(a.begin, b.begin), std::max(a.end, b.end)};
 }
 int modulo(int n, int period) {
@@ -17,11 +17,11 @@ int modulo(int n, int period) {
 }
 
 // Joins b to a if they overlap in any periodic image.
-bool try_join(fluid::Box& a, const fluid::Box& b, int period) {
+bool try_join(Box& a, const Box& b, int period) {
   if (!overlap(a[0], b[0]) || !overlap(a[1], b[1])) return false;
   for (const int image : {-1, 0, 1}) {
     if (image != 0 && period == 0) continue;
-    const fluid::Range z = {b[2].begin + image * period, b[2].end + image * period};
+    const Range z = {b[2].begin + image * period, b[2].end + image * period};
     if (!overlap(a[2], z)) continue;
     a = {join(a[0], b[0]), join(a[1], b[1]), join(a[2], z)};
     if (period > 0 && a[2].size() >= period) a[2] = {0, period};
@@ -33,7 +33,7 @@ bool try_join(fluid::Box& a, const fluid::Box& b, int period) {
 
 }  // namespace
 
-fluid::Box wrapped(fluid::Box box, int period) {
+Box wrapped(Box box, int period) {
   if (period > 0) {
     const int begin = modulo(box[2].begin, period);
     box[2] = {begin, begin + box[2].size()};
@@ -41,10 +41,10 @@ fluid::Box wrapped(fluid::Box box, int period) {
   return box;
 }
 
-std::vector<fluid::Box> merged(std::span<const fluid::Box> boxes, int period) {
-  std::vector<fluid::Box> result;
-  for (const fluid::Box& box : boxes) {
-    fluid::Box grown = wrapped(box, period);
+std::vector<Box> merged(std::span<const Box> boxes, int period) {
+  std::vector<Box> result;
+  for (const Box& box : boxes) {
+    Box grown = wrapped(box, period);
     for (std::size_t n = 0; n < result.size();) {
       if (try_join(grown, result[n], period)) {
         result.erase(result.begin() + static_cast<std::ptrdiff_t>(n));
@@ -58,23 +58,23 @@ std::vector<fluid::Box> merged(std::span<const fluid::Box> boxes, int period) {
   return result;
 }
 
-bool contains(const fluid::Box& outer, const fluid::Box& inner, int period) {
+bool contains(const Box& outer, const Box& inner, int period) {
   for (const std::size_t axis : {0U, 1U}) {
     if (inner[axis].begin < outer[axis].begin || inner[axis].end > outer[axis].end) return false;
   }
   return within(inner[2].begin, inner[2].size(), outer[2], period);
 }
 
-bool touches(int first, int count, fluid::Range slab, int period) {
+bool touches(int first, int count, Range slab, int period) {
   if (period == 0) return overlap({first, first + count}, slab);
   return modulo(first - slab.begin, period) < slab.size() ||
          modulo(slab.begin - first, period) < count;
 }
 
-bool within(int first, int count, fluid::Range slab, int period) {
+bool within(int first, int count, Range slab, int period) {
   if (period == 0) return first >= slab.begin && first + count <= slab.end;
   if (slab.size() == period) return true;
   return modulo(first - slab.begin, period) + count <= slab.size();
 }
 
-}  // namespace ductile::coupling
+}  // namespace ductile::fluid

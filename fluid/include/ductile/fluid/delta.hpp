@@ -1,11 +1,11 @@
-// Peskin's 4-point regularised delta function.
+// Peskin's 4-point regularised delta function, eq. (17).
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace ductile::coupling {
+namespace ductile::fluid {
 
 /// phi(r), eq. (17).
 inline double phi(double r) {
@@ -19,6 +19,11 @@ inline double phi(double r) {
 inline int floor_of(double x) {
   const int n = static_cast<int>(x);
   return x < n ? n - 1 : n;
+}
+
+/// A coordinate reaches the four nodes from this one on.
+inline int first_node(double x) {
+  return floor_of(x) - 1;
 }
 
 /// The four nodes `base` .. `base` + 3 that a coordinate reaches, and phi at each.
@@ -38,4 +43,4 @@ inline Weights weights(double x) {
            0.125 * (1 + 2 * r - s)}};
 }
 
-}  // namespace ductile::coupling
+}  // namespace ductile::fluid

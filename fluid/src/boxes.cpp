@@ -1,0 +1,198 @@
+// The boxes in which points act: what is kept of them on this rank.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ductile/fluid/delta.hpp"
+#include "fluid_impl.hpp"
+#include "layout.hpp"
+
+namespace ductile::fluid {
+
+Box FluidImpl::domain() const {
+  Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int wall = options_.boundary[axis] == Boundary::regularized ? 1 : 0;
+    box[axis] = {wall, options_.nodes[axis] - wall};
+  }
+  if (options_.mirror != Mirror::none) box[1].begin = image(box[1].end - 1);
+  return box;
+}
+
+Box FluidImpl::with_image(Box box) const {
+  if (options_.mirror != Mirror::none && box[1].begin < 0) {
+    box[1].end = std::max(box[1].end, image(box[1].begin) + 1);
+  }
+  return box;
+}
+
+Box FluidImpl::box_around(const Box& reach) const {
+  // How far the points may move before they leave the box: a node across the channel, two along it.
+  constexpr std::array<int, 3> margin = {1, 1, 2};
+  constexpr int vector = 8;  // nodes that the widest kernel computes at a time
+  const Box allowed = domain();
+  Box box = reach;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box[axis].begin -= margin[axis];
+    box[axis].end += margin[axis];
+    if (axis == 2 && period() > 0) {
+      const int whole_vectors = (box[axis].size() + vector - 1) / vector * vector;
+      box[axis].end = box[axis].begin + std::min(whole_vectors, period());
+    } else {
+      box[axis].begin = std::max(box[axis].begin, allowed[axis].begin);
+      box[axis].end = std::min(box[axis].end, allowed[axis].end);
+    }
+  }
+  return with_image(box);
+}
+
+// Every node is to be in one patch at most, so boxes that overlap become one.
+void FluidImpl::place_boxes(std::span<const Box> boxes) {
+  const Box allowed = domain();
+  std::vector<Box> asked;
+  for (const Box& box : boxes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool wraps = axis == 2 && period() > 0;
+      if (box[axis].size() < 1 || (wraps && box[axis].size() > period()) ||
+          (!wraps &&
+           (box[axis].begin < allowed[axis].begin || box[axis].end > allowed[axis].end))) {
+        reject("box of nodes " + std::to_string(box[axis].begin) + " to " +
+               std::to_string(box[axis].end) + " along " + std::string(1, "xyz"[axis]) +
+               " is not inside the fluid");
+      }
+    }
+    asked.push_back(with_image(box));
+  }
+  boxes_ = merged(asked, period());
+  holder_.clear();
+  for (const Box& box : asked) {
+    const auto holder = std::find_if(boxes_.begin(), boxes_.end(), [&](const Box& outer) {
+      return contains(outer, box, period());
+    });
+    holder_.push_back(static_cast<int>(holder - boxes_.begin()));
+  }
+  patches_.clear();
+  for (std::size_t b = 0; b < boxes_.size(); ++b) place_patches(static_cast<int>(b));
+  list_met();
+}
+
+// The parts of a box that lie on this rank: several where a periodic box meets both of its ends.
+void FluidImpl::place_patches(int index) {
+  const Box& box = boxes_[static_cast<std::size_t>(index)];
+  const int nz = options_.nodes[2];
+  // Periodic images of the slab that the box may meet.
+  const int first = static_cast<int>(std::floor(static_cast<double>(box[2].begin) / nz));
+  for (int image = first; image * nz < box[2].end; ++image) {
+    const int begin = std::max(box[2].begin, slab_.begin + image * nz);
+    const int end = std::min(box[2].end, slab_.end + image * nz);
+    if (begin >= end) continue;
+    Patch patch;
+    patch.box = index;
+    patch.begin = {box[0].begin, box[1].begin, begin - image * nz};
+    patch.size = {box[0].size(), box[1].size(), end - begin};
+    patch.pitch = patch.size[2] + 2 * Patch::pad;
+    const auto count = static_cast<std::size_t>(patch.size[0] * patch.size[1] * patch.pitch);
+    patch.density.assign(count, 1.0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      patch.momentum[axis].assign(count, 0.0);
+      patch.force[axis].assign(count, 0.0);
+      patch.velocity[axis].assign(count, 0.0);
+    }
+    patches_.push_back(std::move(patch));
+  }
+}
+
+bool FluidImpl::touches(int rank, const Box& box) const {
+  return fluid::touches(box[2].begin, box[2].size(), slab(rank), period());
+}
+
+void FluidImpl::reached(int rank, std::span<const double> positions, std::vector<int>& points,
+                        std::vector<char>& whole) const {
+  const Range planes = slab(rank);
+  points.clear();
+  whole.clear();
+  for (std::size_t m = 0; m < positions.size() / 3; ++m) {
+    const int first = first_node(positions[3 * m + 2]);
+    if (!fluid::touches(first, 4, planes, period())) continue;
+    points.push_back(static_cast<int>(m));
+    whole.push_back(within(first, 4, planes, period()) ? 1 : 0);
+  }
+}
+
+void FluidImpl::list_met() {
+  const std::size_t columns = column(options_.nodes[0], 0);
+  std::vector<std::vector<std::size_t>> met(columns);
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const Patch& patch = patches_[p];
+    for (int i = 0; i < patch.size[0]; ++i) {
+      for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
+        met[column(patch.begin[0] + i, patch.begin[1] + j)].push_back(p);
+      }
+    }
+  }
+  first_met_ = {0};
+  met_.clear();
+  for (auto& of_column : met) {
+    std::sort(of_column.begin(), of_column.end(), [&](std::size_t a, std::size_t b) {
+      return patches_[a].begin[2] < patches_[b].begin[2];
+    });
+    met_.insert(met_.end(), of_column.begin(), of_column.end());
+    first_met_.push_back(met_.size());
+  }
+}
+
+// Below a mirror plane force is not used. On one on nodes, what a body gives from both sides
+// cancels along y, but for round-off.
+void FluidImpl::drop_image_force() {
+  if (options_.mirror == Mirror::none) return;
+  for (Patch& patch : patches_) {
+    for (int i = 0; i < patch.size[0]; ++i) {
+      for (int y = patch.begin[1]; y <= std::min(0, image(0)); ++y) {
+        const auto first = static_cast<std::size_t>(patch.at(i, y - patch.begin[1], -Patch::pad));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (y < 0 || axis == 1) std::fill_n(&patch.force[axis][first], patch.pitch, 0.0);
+        }
+      }
+    }
+  }
+}
+
+void FluidImpl::fill_image(const Patch& patch, std::vector<double>& values, double sign) const {
+  for (int i = 0; i < patch.size[0]; ++i) {
+    for (int y = patch.begin[1]; y < 0; ++y) {
+      const double* from = values.data() + patch.at(i, image(y) - patch.begin[1], 0);
+      double* to = values.data() + patch.at(i, y - patch.begin[1], 0);
+      for (int k = 0; k < patch.size[2]; ++k) to[k] = sign * from[k];
+    }
+  }
+}
+
+void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    fill_image(patch, vectors[axis], axis == 1 ? -1 : 1);
+  }
+}
+
+void FluidImpl::update_velocity() {
+  drop_image_force();
+  for (Patch& patch : patches_) {
+    const int rows = patch.size[0] * patch.size[1];
+    for (int r = 0; r < rows; ++r) {
+      const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        double* u = patch.velocity[axis].data() + first;
+        const double* momentum = patch.momentum[axis].data() + first;
+        const double* force = patch.force[axis].data() + first;
+        const double* density = patch.density.data() + first;
+#pragma GCC ivdep
+        for (int k = 0; k < patch.size[2]; ++k) {
+          u[k] = (momentum[k] + 0.5 * force[k]) / density[k];
+        }
+      }
+    }
+    fill_image(patch, patch.velocity);
+  }
+}
+
+}  // namespace ductile::fluid

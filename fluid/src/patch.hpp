@@ -1,0 +1,36 @@
+// Force and velocity where they vary from node to node.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace ductile::fluid {
+
+/// The part of a box that lies on this rank: where a force acts that varies from node to node, and
+/// where the velocity is known. Arrays run over x, y, z, z fastest; each row of z is `pitch` long,
+/// with `pad` planes on either side of the `size[2]` that are this rank's own. In those planes the
+/// velocity is 0 and the force is ignored, so that a stencil may reach over the edge.
+///
+/// Below a mirror plane density and velocity are the image of those above, and the force is taken
+/// to be, whatever is written there: a body across the plane may spread its force on both sides. On
+/// the plane no force acts along y.
+struct Patch {
+  static constexpr int pad = 4;
+  int box = 0;                 ///< index of the box it belongs to, among FluidImpl::boxes_
+  std::array<int, 3> begin{};  ///< first own node; z in [0, nz)
+  std::array<int, 3> size{};   ///< own nodes along each axis
+  std::ptrdiff_t pitch = 0;
+
+  std::array<std::vector<double>, 3> force;     ///< beyond the uniform one, for the next step
+  std::array<std::vector<double>, 3> velocity;  ///< (rho u0 + force/2)/rho
+  std::vector<double> density;                  ///< as of read_velocity()
+  std::array<std::vector<double>, 3> momentum;  ///< rho u0, likewise
+
+  /// Index of node (i, j, k), counted from `begin`; k may lie in the padding.
+  [[nodiscard]] std::ptrdiff_t at(int i, int j, int k) const {
+    return (static_cast<std::ptrdiff_t>(i) * size[1] + j) * pitch + pad + k;
+  }
+};
+
+}  // namespace ductile::fluid

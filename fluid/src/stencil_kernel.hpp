@@ -1,0 +1,53 @@
+// The loops over points and the nodes that they reach, for each instruction set.
+#pragma once
+
+#include <cstddef>
+
+#include "ductile/fluid/instruction_set.hpp"
+
+namespace ductile::fluid {
+
+/// How a point meets the lattice: the nodes from `base` to `base` + 3 along each axis, and phi at
+/// each.
+struct Stencil {
+  int base[3];
+  double phi[3][4];
+};
+
+/// A vector on the nodes of a Patch, as the loops see it.
+template <class Number>
+struct PatchField {
+  int begin[3];
+  int size[3];
+  std::ptrdiff_t pitch;
+  int pad;
+  Number* component[3];
+};
+
+/// The same bits with each instruction set. `period` is the number of planes after which z repeats,
+/// 0 if it does not.
+struct StencilKernel {
+  /// Adds F_m phi phi phi to the field, point by point, eq. (16).
+  void (*spread)(const Stencil* points, std::size_t count, const double* force,
+                 const PatchField<double>& field, int period);
+  /// Adds, for each point, the field's contribution to eq. (15) from each of its four planes:
+  /// partial[12 m + 4 component + plane].
+  void (*interpolate)(const Stencil* points, std::size_t count,
+                      const PatchField<const double>& field, int period, double* partial);
+};
+
+/// stencil_kernel.cpp, compiled once for each of them.
+namespace baseline {
+const StencilKernel& stencil_kernel();
+}
+namespace avx2 {
+const StencilKernel& stencil_kernel();
+}
+namespace avx512 {
+const StencilKernel& stencil_kernel();
+}
+
+/// `set` must be available.
+const StencilKernel& stencil_kernel(InstructionSet set);
+
+}  // namespace ductile::fluid

@@ -1,0 +1,67 @@
+#include "response.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace {
+
+using namespace ductile;
+using coupling::MarkerResponse;
+
+std::vector<double> random_numbers(std::size_t count, double low, double high, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(low, high);
+  std::vector<double> v(count);
+  for (double& x : v) x = number(random);
+  return v;
+}
+
+// What a lesser machine would run gives the same bits.
+TEST(Response, IsTheSameWithEachInstructionSet) {
+  constexpr std::size_t markers = 100;
+  const std::vector<double> x = random_numbers(3 * markers, 1.0, 8.0, 12);
+  const std::vector<double> force = random_numbers(3 * markers, -1, 1, 13);
+  std::vector<double> expected;
+  for (const auto set : {fluid::InstructionSet::baseline, fluid::InstructionSet::avx2,
+                         fluid::InstructionSet::avx512}) {
+    if (!fluid::available(set)) continue;
+    MarkerResponse response(set);
+    response.locate(x);
+    std::vector<double> velocity(3 * markers);
+    response.apply(force, velocity);
+    if (set == fluid::InstructionSet::baseline) {
+      expected = velocity;
+      EXPECT_GT(*std::max_element(velocity.begin(), velocity.end()), 0);
+    }
+    EXPECT_EQ(velocity, expected);
+  }
+}
+
+TEST(Response, IsSymmetricAndPositiveSemiDefinite) {
+  constexpr std::size_t markers = 40;
+  const std::vector<double> x = random_numbers(3 * markers, -4, 4, 5);
+  MarkerResponse response;
+  response.locate(x);
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const std::vector<double> a = random_numbers(3 * markers, -1, 1, 10 + seed);
+    const std::vector<double> b = random_numbers(3 * markers, -1, 1, 100 + seed);
+    std::vector<double> ra(3 * markers);
+    std::vector<double> rb(3 * markers);
+    response.apply(a, ra);
+    response.apply(b, rb);
+    double ab = 0;
+    double ba = 0;
+    double aa = 0;
+    for (std::size_t n = 0; n < a.size(); ++n) {
+      ab += a[n] * rb[n];
+      ba += b[n] * ra[n];
+      aa += a[n] * ra[n];
+    }
+    EXPECT_NEAR(ab, ba, 1e-13);
+    EXPECT_GE(aa, 0);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,216 @@
+#include "ductile/fluid/points.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "fluid/inside.hpp"
+
+namespace {
+
+using namespace ductile::fluid;
+using ductile::test::patches;
+
+std::vector<double> random_numbers(std::size_t count, double low, double high, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(low, high);
+  std::vector<double> v(count);
+  for (double& x : v) x = number(random);
+  return v;
+}
+
+// A fluid with one box: all of it.
+Fluid boxed(const std::array<int, 3>& nodes, Boundary z,
+            InstructionSet set = best_instruction_set()) {
+  Options o;
+  o.nodes = nodes;
+  o.boundary = {Boundary::halfway, Boundary::halfway, z};
+  o.instruction_set = set;
+  Fluid fluid(MPI_COMM_SELF, o);
+  const std::array<Box, 1> boxes = {fluid.domain()};
+  fluid.place_boxes(boxes);
+  return fluid;
+}
+
+void for_nodes(const Patch& patch,
+               const std::function<void(std::size_t, const Eigen::Vector3d&)>& f) {
+  for (int i = 0; i < patch.size[0]; ++i) {
+    for (int j = 0; j < patch.size[1]; ++j) {
+      for (int k = 0; k < patch.size[2]; ++k) {
+        f(static_cast<std::size_t>(patch.at(i, j, k)),
+          {static_cast<double>(patch.begin[0] + i), static_cast<double>(patch.begin[1] + j),
+           static_cast<double>(patch.begin[2] + k)});
+      }
+    }
+  }
+}
+
+// F . (J u) = (J^T F) . u, with and without a periodic z in which stencils meet both ends.
+TEST(ImmersedBoundary, SpreadIsAdjointOfInterpolate) {
+  for (const Boundary z : {Boundary::halfway, Boundary::periodic}) {
+    Fluid fluid = boxed({10, 10, 12}, z);
+    constexpr std::size_t count = 200;
+    std::vector<double> x = random_numbers(3 * count, 1.0, 8.0, 2);
+    if (z == Boundary::periodic) {
+      for (std::size_t m = 0; m < count; ++m) x[3 * m + 2] = 6 * x[3 * m + 2] - 20;
+    }
+    const std::vector<double> force = random_numbers(3 * count, -1, 1, 3);
+    Patch& patch = patches(fluid).at(0);
+    const std::vector<double> u = random_numbers(3 * patch.velocity[0].size(), -1, 1, 4);
+    for_nodes(patch, [&](std::size_t n, const Eigen::Vector3d&) {
+      for (std::size_t a = 0; a < 3; ++a) patch.velocity[a][n] = u[3 * n + a];
+    });
+    Points points(fluid, 0);
+    points.locate(x);
+    points.add_force(force);
+    std::vector<double> partial(12 * count, NAN);
+    points.velocities(partial);
+    double points_side = 0;
+    double size = 0;
+    for (std::size_t n = 0; n < 3 * count; ++n) {
+      const double velocity =
+          partial[4 * n] + partial[4 * n + 1] + partial[4 * n + 2] + partial[4 * n + 3];
+      points_side += force[n] * velocity;
+      size += std::abs(force[n] * velocity);
+    }
+    double nodes_side = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      double spread = 0;
+      for_nodes(patch, [&](std::size_t n, const Eigen::Vector3d&) {
+        nodes_side += patch.force[a][n] * patch.velocity[a][n];
+        spread += patch.force[a][n];
+      });
+      double total = 0;
+      for (std::size_t m = 0; m < count; ++m) total += force[3 * m + a];
+      EXPECT_NEAR(spread, total, 1e-12);
+    }
+    EXPECT_NEAR(points_side, nodes_side, 1e-13 * size);
+  }
+}
+
+// What a lesser machine would run gives the same bits.
+TEST(ImmersedBoundary, IsTheSameWithEachInstructionSet) {
+  constexpr std::size_t count = 100;
+  const std::vector<double> x = random_numbers(3 * count, 1.0, 8.0, 12);
+  const std::vector<double> force = random_numbers(3 * count, -1, 1, 13);
+  std::array<std::vector<double>, 3> expected_force;
+  std::vector<double> expected_partial;
+  for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!available(set)) continue;
+    Fluid fluid = boxed({10, 10, 12}, Boundary::halfway, set);
+    Points points(fluid, 0);
+    points.locate(x);
+    points.add_force(force);
+    Patch& patch = patches(fluid).at(0);
+    patch.velocity = patch.force;
+    std::vector<double> partial(12 * count);
+    points.velocities(partial);
+    if (set == InstructionSet::baseline) {
+      expected_force = patch.force;
+      expected_partial = partial;
+    }
+    EXPECT_EQ(patch.force, expected_force);
+    EXPECT_EQ(partial, expected_partial);
+  }
+}
+
+// sum over nodes of (X - x) x f vanishes: spreading keeps the torque about the point.
+TEST(ImmersedBoundary, SpreadKeepsForceAndTorque) {
+  Fluid fluid = boxed({6, 6, 6}, Boundary::halfway);
+  const std::vector<double> x = {2.3, 2.71, 2.05};
+  const std::vector<double> force = {1, -2, 0.5};
+  Points points(fluid, 0);
+  points.locate(x);
+  points.add_force(force);
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+  const Patch& patch = patches(fluid).at(0);
+  for_nodes(patch, [&](std::size_t n, const Eigen::Vector3d& node) {
+    const Eigen::Vector3d r = node - Eigen::Vector3d::Map(x.data());
+    torque += r.cross(Eigen::Vector3d(patch.force[0][n], patch.force[1][n], patch.force[2][n]));
+  });
+  EXPECT_LT(torque.norm(), 1e-14);
+}
+
+TEST(ImmersedBoundary, InterpolationIsExactForLinearFields) {
+  Fluid fluid = boxed({8, 8, 8}, Boundary::halfway);
+  Patch& patch = patches(fluid).at(0);
+  for_nodes(patch, [&](std::size_t n, const Eigen::Vector3d& node) {
+    patch.velocity[1][n] = 1 + 2 * node.x() - node.y() + 0.5 * node.z();
+  });
+  const std::vector<double> x = {3.14, 2.72, 4.67};
+  Points points(fluid, 0);
+  points.locate(x);
+  std::vector<double> partial(12);
+  points.velocities(partial);
+  EXPECT_NEAR(partial[4] + partial[5] + partial[6] + partial[7], 1 + 2 * x[0] - x[1] + 0.5 * x[2],
+              1e-13);
+}
+
+// Without looking inside: the fluid gains the points' force as momentum, and tells its velocity
+// with half of the force of the step in.
+TEST(Points, ForceActsAndVelocityIsToldThroughTheInterfaceAlone) {
+  Options o;
+  o.nodes = {12, 12, 12};
+  Fluid fluid(MPI_COMM_SELF, o);
+  const std::vector<double> x = {5.3, 6.7, 4.1};
+  const std::vector<double> force = {1e-3, -2e-3, 5e-4};
+  const std::array<Box, 1> boxes = {fluid.box_around({{{4, 8}, {5, 9}, {3, 7}}})};
+  fluid.place_boxes(boxes);
+  Points points(fluid, 0);
+  points.locate(x);
+  EXPECT_TRUE(points.whole(0));
+  points.add_force(force);
+  fluid.step();
+  std::vector<double> partial(12);
+  points.velocities(partial);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double u = partial[4 * a] + partial[4 * a + 1] + partial[4 * a + 2] + partial[4 * a + 3];
+    EXPECT_NEAR(u, 0.5 * std::pow(3.0 / 8.0, 3) * force[a], 1e-17);
+    EXPECT_NEAR(fluid.totals().momentum[static_cast<Eigen::Index>(a)], force[a], 1e-16);
+  }
+}
+
+// Boxes that overlap are one to the fluid: what acts in one is felt in the other.
+TEST(Points, OfBoxesThatOverlapFeelEachOther) {
+  Options o;
+  o.nodes = {16, 16, 24};
+  Fluid fluid(MPI_COMM_SELF, o);
+  // The first and the last meet across the periodic end, and the last overlaps the second.
+  const std::array<Box, 3> boxes = {Box{{{2, 8}, {2, 8}, {-4, 4}}},
+                                    Box{{{6, 12}, {6, 12}, {10, 18}}},
+                                    Box{{{2, 8}, {2, 8}, {16, 22}}}};
+  fluid.place_boxes(boxes);
+  Points pushed(fluid, 0);
+  Points watched(fluid, 2);
+  pushed.locate(std::vector<double>{4.5, 4.5, -2.5});
+  watched.locate(std::vector<double>{4.5, 4.5, 19.5});
+  pushed.add_force(std::vector<double>{0, 0, 1e-3});
+  fluid.step();
+  std::vector<double> partial(12);
+  watched.velocities(partial);
+  double u = 0;
+  for (std::size_t plane = 0; plane < 4; ++plane) u += partial[8 + plane];
+  EXPECT_GT(u, 0);
+}
+
+TEST(Boxes, HoldTheReachWithRoomToMoveAndKeepToTheDomain) {
+  Options o;
+  o.nodes = {20, 20, 50};
+  o.boundary = {Boundary::regularized, Boundary::halfway, Boundary::periodic};
+  Fluid fluid(MPI_COMM_SELF, o);
+  const Box inside = fluid.box_around({{{5, 12}, {6, 12}, {-3, 6}}});
+  EXPECT_EQ(inside, (Box{{{4, 13}, {5, 13}, {-5, 11}}}));  // two vectors of eight along z
+  const Box at_walls = fluid.box_around({{{1, 19}, {0, 20}, {0, 47}}});
+  EXPECT_EQ(at_walls, (Box{{{1, 19}, {0, 20}, {-2, 48}}}));  // no longer than the channel
+  for (const Box& box : {inside, at_walls}) {
+    const std::array<Box, 1> boxes = {box};
+    EXPECT_NO_THROW(fluid.place_boxes(boxes));
+  }
+}
+
+}  // namespace
