@@ -29,7 +29,7 @@
 #include "bodies.hpp"
 #include "drivers/stability_box.hpp"
 #include "ductile/coupling/coupler.hpp"
-#include "ductile/coupling/stencils.hpp"
+#include "response.hpp"
 #include "ductile/surface/mesh.hpp"
 #include "stability.hpp"
 #include "units.hpp"
