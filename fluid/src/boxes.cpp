@@ -142,6 +142,12 @@ void FluidImpl::list_met() {
   }
 }
 
+void FluidImpl::drop_force() {
+  for (Patch& patch : patches_) {
+    for (auto& force : patch.force) std::fill(force.begin(), force.end(), 0.0);
+  }
+}
+
 // Below a mirror plane force is not used. On one on nodes, what a body gives from both sides
 // cancels along y, but for round-off.
 void FluidImpl::drop_image_force() {

@@ -181,6 +181,12 @@ void Fluid::fields(std::span<double> density, std::span<double> velocity) {
 Totals Fluid::totals() {
   return impl_->totals();
 }
+void Fluid::save(const StateWriter& write) {
+  impl_->save(write);
+}
+void Fluid::load(const StateReader& read) {
+  impl_->load(read);
+}
 
 void stream_only(Fluid& fluid) {
   Inside::of(fluid).stream();

@@ -33,6 +33,8 @@ class FluidImpl {
   /// The loads and stores of a step, and nothing else.
   virtual void stream() = 0;
   virtual void fields(std::span<double> density, std::span<double> velocity) = 0;
+  virtual void save(const StateWriter& write) = 0;
+  virtual void load(const StateReader& read) = 0;
   /// Of each own plane: the sums of rho - 1 and of rho u.
   virtual std::vector<double> plane_sums() = 0;
   [[nodiscard]] virtual std::size_t memory() const = 0;
@@ -57,12 +59,14 @@ class FluidImpl {
   [[nodiscard]] int image(int y) const {
     return options_.mirror == Mirror::between_nodes ? -1 - y : -y;
   }
-  [[nodiscard]] bool odd() const { return time_ % 2 != 0; }
+  /// Which of the two states of the AA pattern the populations are in.
+  [[nodiscard]] bool odd() const { return odd_; }
   [[nodiscard]] std::size_t column(int x, int y) const {
     return static_cast<std::size_t>(x) * static_cast<std::size_t>(options_.nodes[1]) +
            static_cast<std::size_t>(y);
   }
 
+  void drop_force();
   /// Takes from the patches' force what a mirror plane leaves without effect.
   void drop_image_force();
   /// Values of a patch below a mirror plane become the images of those above.
@@ -74,6 +78,7 @@ class FluidImpl {
   Range slab_;
   Relaxation relaxation_{};
   std::int64_t time_ = 0;
+  bool odd_ = false;
   std::vector<Box> boxes_;   // disjoint
   std::vector<int> holder_;  // of each box that was asked for, the one of boxes_ that it lies in
   std::vector<Patch> patches_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "ductile/fluid/d3q19.hpp"
@@ -37,9 +38,15 @@ constexpr std::array<std::array<int, 5>, 2> entering = [] {
   return index;
 }();
 
+// i > 0.
 template <class Real>
 Real* place_of(const Row<Real>& row, int i) {
   return i % 2 == 1 ? row.plus[(i - 1) / 2] : row.minus[(i - 1) / 2];
+}
+
+// "f00" to "f18".
+std::string name_of(int i) {
+  return (i < 10 ? "f0" : "f") + std::to_string(i);
 }
 
 template <class Real>
@@ -58,6 +65,8 @@ class Populations final : public FluidImpl {
   void step() override;
   void stream() override;
   void fields(std::span<double> density, std::span<double> velocity) override;
+  void save(const StateWriter& write) override;
+  void load(const StateReader& read) override;
   std::vector<double> plane_sums() override;
   [[nodiscard]] std::size_t memory() const override;
   [[nodiscard]] std::int64_t bytes_sent() const override { return halo_.bytes_sent(); }
@@ -264,6 +273,7 @@ void Populations<Real>::step() {
   for (Patch& patch : patches_) fill_image(patch, patch.velocity);
   halo_.end_step();
   ++time_;
+  odd_ = !odd_;
 }
 
 template <class Real>
@@ -274,6 +284,7 @@ void Populations<Real>::stream() {
     }
   }
   ++time_;
+  odd_ = !odd_;
 }
 
 // Half-way bounce-back off a wall that moves with u_w: f_(-i) = f_i* - 6 w_i rho0 c_i.u_w, added
@@ -329,6 +340,7 @@ template <class Real>
 void Populations<Real>::initialise(const std::function<NodeState(int, int, int)>& state) {
   halo_.reset();
   time_ = 0;
+  odd_ = false;
   const Eigen::Vector3d& force = options_.force;
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) {
@@ -441,6 +453,53 @@ std::vector<double> Populations<Real>::plane_sums() {
     }
   }
   return sums;
+}
+
+template <class Real>
+void Populations<Real>::save(const StateWriter& write) {
+  halo_.await_all();
+  const auto time = static_cast<double>(time_);
+  write("time", std::span(&time, 1));
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y) complete_row(x, y);
+  }
+  const auto planes = static_cast<std::size_t>(slab_of_.planes());
+  std::vector<double> staged(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) *
+                             planes);
+  for (int i = 0; i < Q; ++i) {
+    double* to = staged.data();
+    for (int x = 0; x < nx_; ++x) {
+      for (int y = 0; y < ny_; ++y) {
+        const Row<Real> row = slab_of_.row(x, y, odd());
+        to = std::copy_n(i == 0 ? row.rest : place_of(row, i), planes, to);
+      }
+    }
+    write(name_of(i), staged);
+  }
+}
+
+// Every node gets its own populations, so nothing is to arrive before the next step.
+template <class Real>
+void Populations<Real>::load(const StateReader& read) {
+  halo_.reset();
+  drop_force();
+  double time = 0;
+  read("time", std::span(&time, 1));
+  time_ = static_cast<std::int64_t>(time);
+  odd_ = false;
+  const auto planes = static_cast<std::size_t>(slab_of_.planes());
+  std::vector<double> staged(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) *
+                             planes);
+  for (int i = 0; i < Q; ++i) {
+    read(name_of(i), staged);
+    const double* from = staged.data();
+    for (int x = 0; x < nx_; ++x) {
+      for (int y = 0; y < ny_; ++y, from += planes) {
+        std::transform(from, from + planes, slab_of_.at(i, x, y),
+                       [](double f) { return static_cast<Real>(f); });
+      }
+    }
+  }
 }
 
 template <class Real>

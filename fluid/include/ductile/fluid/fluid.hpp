@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "ductile/fluid/instruction_set.hpp"
@@ -74,6 +75,11 @@ struct Totals {
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< sum of rho u, half the uniform force in
   [[nodiscard]] bool finite() const;
 };
+
+/// Takes a named part of a state; the numbers are valid during the call alone.
+using StateWriter = std::function<void(std::string_view name, std::span<const double> numbers)>;
+/// Fills `numbers` with the part of that name, or throws if it has none of that size.
+using StateReader = std::function<void(std::string_view name, std::span<double> numbers)>;
 
 /// A range of planes or nodes, end excluded.
 struct Range {
@@ -166,6 +172,18 @@ class Fluid {
   void fields(std::span<double> density, std::span<double> velocity);
   /// Collective.
   Totals totals();
+
+  /// Between steps: all that determines the future, but for force that points have added since the
+  /// last step. "time" is one number; "f00" to "f18" are f_i - w_i of the own slab's nodes, as they
+  /// are about to collide, of velocity d3q19::c(i): nx ny nz_own numbers, x, y, z with z fastest.
+  /// A node's do not depend on how the slabs are cut. Collective.
+  void save(const StateWriter& write);
+  /// The state of a fluid with the same options but for the instruction set, on any number of
+  /// ranks: from here on results are the same to the last bit as of the one that was saved.
+  /// Populations are rounded if their storage is not that of the saved ones. Boxes stay; force in
+  /// them is dropped. Collective. What the reader throws passes through; the fluid then holds parts
+  /// of two states and must load or initialise() before it steps again.
+  void load(const StateReader& read);
 
  private:
   friend struct Inside;
