@@ -23,7 +23,7 @@ class Coupler::Impl {
 
   void step();
   Stopwatch watch_;
-  bool moved_out_ = true;  // a body is not in its box
+  bool moved_out_ = true;  // a body may not be in its box
 
  private:
   void lay_out();
@@ -292,6 +292,9 @@ Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)
 Coupler::~Coupler() = default;
 void Coupler::step() {
   impl_->step();
+}
+void Coupler::bodies_replaced() {
+  impl_->moved_out_ = true;
 }
 const Profile& Coupler::profile() const {
   return impl_->watch_.profile;

@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <random>
+#include <string>
 #include <thread>
 
 #include "coupling/bodies.hpp"
@@ -101,6 +103,52 @@ TEST_P(Ranks, BodiesAndFluidAreTheSameToTheLastBit) {
 
 INSTANTIATE_TEST_SUITE_P(Ends, Ranks,
                          testing::Values(fluid::Boundary::periodic, fluid::Boundary::halfway));
+
+// Bodies and fluid put into another state between steps, bodies far from their boxes, go on as with
+// a new coupler in a fluid of that state.
+TEST_P(Ranks, ReplacedBodiesGoOnAsWithANewCoupler) {
+  const fluid::Options o = channel(GetParam());
+  const auto displaced = [](const std::vector<std::unique_ptr<coupling::Body>>& list) {
+    for (const auto& body : list) {
+      if (auto* free = dynamic_cast<Explicit*>(body.get())) {
+        for (std::size_t n = 2; n < free->x.size(); n += 3) free->x[n] = 21 - free->x[n];
+      }
+    }
+  };
+  fluid::Fluid used(MPI_COMM_WORLD, o);
+  auto bodies_used = bodies();
+  Coupler coupler(used, share_of(bodies_used, rank(), ranks()), 4);
+  for (int step = 0; step < 5; ++step) coupler.step();
+  displaced(bodies_used);
+  coupler.bodies_replaced();
+
+  fluid::Fluid fresh(MPI_COMM_WORLD, o);
+  std::map<std::string, std::vector<double>, std::less<>> state;
+  used.save([&](std::string_view name, std::span<const double> numbers) {
+    state.emplace(name, std::vector(numbers.begin(), numbers.end()));
+  });
+  fresh.load([&](std::string_view name, std::span<double> numbers) {
+    const auto& saved = state.find(name)->second;
+    std::copy(saved.begin(), saved.end(), numbers.begin());
+  });
+  auto bodies_fresh = bodies();
+  for (std::size_t id = 0; id < bodies_fresh.size(); ++id) {
+    if (auto* free = dynamic_cast<Explicit*>(bodies_fresh[id].get())) {
+      free->x = dynamic_cast<Explicit&>(*bodies_used[id]).x;
+    }
+  }
+  Coupler anew(fresh, share_of(bodies_fresh, rank(), ranks()), 4);
+  for (int step = 0; step < 20; ++step) {
+    coupler.step();
+    anew.step();
+    for (const Member& member : share_of(bodies_used, rank(), ranks())) {
+      const auto a = member.body->positions();
+      const auto b = bodies_fresh[static_cast<std::size_t>(member.id)]->positions();
+      for (std::size_t n = 0; n < a.size(); ++n) ASSERT_EQ(a[n], b[n]) << step << ' ' << n;
+    }
+  }
+  EXPECT_EQ(used.totals().momentum, fresh.totals().momentum);
+}
 
 TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
   fluid::Fluid fluid(MPI_COMM_WORLD, channel(fluid::Boundary::periodic));

@@ -56,6 +56,10 @@ class Coupler {
   /// One time step of fluid and bodies, as body.hpp states it. Collective. Throws BodyFailure if a
   /// body fails, or has a marker whose stencil leaves the fluid or wraps round x or y.
   void step();
+  /// To be called when bodies' states have been replaced from outside, as by loading them: the next
+  /// step lays boxes and routes anew, as that of a new coupler would. Called by all ranks if by any;
+  /// sends nothing.
+  void bodies_replaced();
 
   /// Where this rank's time has gone, and how many bytes it has sent in steps, since construction
   /// or since reset_profile(). Always kept: a step reads the clock some twenty times. A step that
