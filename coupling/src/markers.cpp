@@ -9,7 +9,7 @@ namespace {
 
 using fluid::mpi_check;
 
-// Of the four planes that a marker reaches, in their order.
+// The four planes that a marker reaches are added in their order.
 double sum(const double* partial) {
   return ((partial[0] + partial[1]) + partial[2]) + partial[3];
 }
@@ -33,7 +33,7 @@ void Markers::lay_routes(std::span<const Entry> entries) {
   }
 }
 
-// Of a route that stays on this rank.
+// The guest at the end of a route that stays on this rank.
 Markers::Guest& Markers::guest_of(const Route& route) {
   return *std::find_if(guests_.begin(), guests_.end(),
                        [&](const Guest& guest) { return guest.id == hosts_[route.host].id; });

@@ -77,7 +77,7 @@ void FluidImpl::place_boxes(std::span<const Box> boxes) {
   list_met();
 }
 
-// The parts of a box that lie on this rank: several where a periodic box meets both of its ends.
+// Several parts of a box lie on this rank where the box runs round the periodic end.
 void FluidImpl::place_patches(int index) {
   const Box& box = boxes_[static_cast<std::size_t>(index)];
   const int nz = options_.nodes[2];
@@ -148,8 +148,8 @@ void FluidImpl::drop_force() {
   }
 }
 
-// Below a mirror plane force is not used. On one on nodes, what a body gives from both sides
-// cancels along y, but for round-off.
+// Force below a mirror plane is not used. Along y on a plane of nodes, what a body gives from both
+// sides cancels but for round-off.
 void FluidImpl::drop_image_force() {
   if (options_.mirror == Mirror::none) return;
   for (Patch& patch : patches_) {

@@ -18,7 +18,7 @@ namespace ductile::fluid {
 
 /// Throws std::invalid_argument.
 [[noreturn]] void reject(const std::string& what);
-/// What does not depend on how populations are stored.
+/// The part of a fluid that does not depend on how populations are stored.
 class FluidImpl {
  public:
   /// `options` are valid.
@@ -35,7 +35,7 @@ class FluidImpl {
   virtual void fields(std::span<double> density, std::span<double> velocity) = 0;
   virtual void save(const StateWriter& write) = 0;
   virtual void load(const StateReader& read) = 0;
-  /// Of each own plane: the sums of rho - 1 and of rho u.
+  /// The sums of rho - 1 and of rho u of each own plane.
   virtual std::vector<double> plane_sums() = 0;
   [[nodiscard]] virtual std::size_t memory() const = 0;
   [[nodiscard]] virtual std::int64_t bytes_sent() const = 0;
@@ -80,10 +80,10 @@ class FluidImpl {
   std::int64_t time_ = 0;
   bool odd_ = false;
   std::vector<Box> boxes_;   // disjoint
-  std::vector<int> holder_;  // of each box that was asked for, the one of boxes_ that it lies in
+  std::vector<int> holder_;  // the one of boxes_ that holds each box asked for
   std::vector<Patch> patches_;
-  /// Of each column the patches that meet it, from low to high z: those of column c are
-  /// met_[first_met_[c]] to met_[first_met_[c + 1]].
+  /// The patches that meet column c, from low to high z, are met_[first_met_[c]] to
+  /// met_[first_met_[c + 1]], end excluded.
   std::vector<std::size_t> first_met_;
   std::vector<std::size_t> met_;
 
@@ -92,7 +92,7 @@ class FluidImpl {
   void list_met();
 };
 
-/// What is behind a Fluid.
+/// Opens a Fluid to the library's own sources and to its tests.
 struct Inside {
   static FluidImpl& of(Fluid& fluid) { return *fluid.impl_; }
 };

@@ -44,8 +44,8 @@ template <class Real>
 Halo<Real>::~Halo() {
   for (auto* requests : {&receives_, &sends_}) {
     for (Requests& of_turn : *requests) {
-      // What was begun is waited for: a request under way cannot be freed with its buffer. A
-      // destructor cannot report an error.
+      // A request under way cannot be freed with its buffer, so it is waited for. A destructor
+      // cannot report an error.
       MPI_Waitall(static_cast<int>(of_turn.size()), of_turn.data(), MPI_STATUSES_IGNORE);
       for (MPI_Request& request : of_turn) {
         if (request != MPI_REQUEST_NULL) MPI_Request_free(&request);

@@ -1,4 +1,4 @@
-// What crosses the ends of a slab in each step.
+// The messages that cross the ends of a slab in each step.
 #pragma once
 
 #include <mpi.h>

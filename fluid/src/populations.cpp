@@ -17,8 +17,8 @@ namespace {
 using d3q19::opposite;
 using d3q19::Q;
 
-// What an odd step fetches across the end of a slab are five populations a row: from the column at
-// -shift, the one along (shift, +1) from below or (shift, -1) from above. The f* that the odd step
+// An odd step fetches five populations a row across the end of a slab: from the column at -shift,
+// the one along (shift, +1) from below or (shift, -1) from above. The f* that the odd step
 // writes in their places go back the same way.
 constexpr std::array<std::array<int, 2>, 5> shifts = {{{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
@@ -38,7 +38,7 @@ constexpr std::array<std::array<int, 5>, 2> entering = [] {
   return index;
 }();
 
-// i > 0.
+// The place of f_i, i > 0.
 template <class Real>
 Real* place_of(const Row<Real>& row, int i) {
   return i % 2 == 1 ? row.plus[(i - 1) / 2] : row.minus[(i - 1) / 2];
@@ -93,8 +93,8 @@ class Populations final : public FluidImpl {
   int ny_;
   Slab<Real> slab_of_;
   const Kernel<Real>& kernel_;
-  // Of a column in an even and in an odd step the slots of the five shifts, -1 for none. In an odd
-  // step they are its own; what the even step leaves is fetched by the row at +shift.
+  // The slots of a column's five shifts in an even and in an odd step, -1 for none. In an odd step
+  // they are its own; the row at +shift fetches what the even step leaves.
   std::array<std::vector<std::array<int, 5>>, 2> slots_;
   std::vector<int> part_ends_;  // in x, of the parts that the halo is cut into
   Halo<Real> halo_;
@@ -157,7 +157,7 @@ void Populations<Real>::for_crossing(const Row<Real>& row, int x, int y, int sid
   }
 }
 
-// What came from the slabs below and above is put in its place. A half-way wall across z reflects
+// Puts what came from the slabs below and above in its place. A half-way wall across z reflects
 // the node's own populations instead.
 template <class Real>
 void Populations<Real>::arrive(const Row<Real>& row, int x, int y) {
@@ -205,7 +205,7 @@ void Populations<Real>::depart(const Row<Real>& row, int x, int y) {
   }
 }
 
-// Where patches meet the row, their forces act and are used up, and the velocity is left there.
+// The forces of patches that meet the row act and are used up, and the velocity is left there.
 template <class Real>
 void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
   const RowForce uniform{{options_.force[0], options_.force[1], options_.force[2]},

@@ -118,7 +118,7 @@ class Slab {
   [[nodiscard]] Real* column(int x, int y) const {
     return storage_.data() + line_ + (static_cast<std::ptrdiff_t>(x) * ny_ + y) * pitch_;
   }
-  // What rows have in common: whether they are the first, the last or in between, in x and in y.
+  // Rows of one kind are alike the first, the last or in between, in x and in y.
   [[nodiscard]] std::size_t kind(int x, int y) const {
     const auto along = [](int node, int n) { return node == 0 ? 0U : (node == n - 1 ? 2U : 1U); };
     return 3 * along(x, nx_) + along(y, ny_);
@@ -159,7 +159,7 @@ Slab<Real>::Slab(const Options& options, int planes)
   find_walls(options);
 }
 
-// Of f_i, from its column's array 0.
+// The distance of f_i from its column's array 0.
 template <class Real>
 std::ptrdiff_t Slab<Real>::place(int i, int x, int y, bool odd) const {
   const auto v = d3q19::c(i);

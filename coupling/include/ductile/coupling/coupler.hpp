@@ -56,8 +56,8 @@ class Coupler {
   /// One time step of fluid and bodies, as body.hpp states it. Collective. Throws BodyFailure if a
   /// body fails, or has a marker whose stencil leaves the fluid or wraps round x or y.
   void step();
-  /// To be called when bodies' states have been replaced from outside, as by loading them: the next
-  /// step lays boxes and routes anew, as that of a new coupler would. Called by all ranks if by any;
+  /// Says that bodies' states have been replaced from outside, as by loading them: the next step
+  /// lays boxes and routes anew, as that of a new coupler would. Called by all ranks if by any;
   /// sends nothing.
   void bodies_replaced();
 

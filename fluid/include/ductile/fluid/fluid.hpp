@@ -56,8 +56,8 @@ struct Options {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
   /// Storage of the populations; arithmetic is always in double precision.
   Storage storage = Storage::double_precision;
-  /// What the kernel runs on: the widest that this machine has, unless given. Results do not depend
-  /// on it.
+  /// The kernel runs on the widest that this machine has, unless one is given. Results do not
+  /// depend on it.
   std::optional<InstructionSet> instruction_set;
 };
 
@@ -173,10 +173,10 @@ class Fluid {
   /// Collective.
   Totals totals();
 
-  /// Between steps: all that determines the future, but for force that points have added since the
-  /// last step. "time" is one number; "f00" to "f18" are f_i - w_i of the own slab's nodes, as they
-  /// are about to collide, of velocity d3q19::c(i): nx ny nz_own numbers, x, y, z with z fastest.
-  /// A node's do not depend on how the slabs are cut. Collective.
+  /// Writes all that determines the future but force that points have added since the last step.
+  /// "time" is one number; "f00" to "f18" are f_i - w_i of the own slab's nodes, as they are about
+  /// to collide, of velocity d3q19::c(i): nx ny nz_own numbers, x, y, z with z fastest. A node's do
+  /// not depend on how the slabs are cut. Collective.
   void save(const StateWriter& write);
   /// The state of a fluid with the same options but for the instruction set, on any number of
   /// ranks: from here on results are the same to the last bit as of the one that was saved.
