@@ -47,7 +47,7 @@ ImplicitStep::ImplicitStep(const Shell& shell, Vec mobility, const IntegratorOpt
   if (lag_ < 1) {
     throw std::invalid_argument(text("integrator: -membrane_tangent_lag ", lag_,
                                      " must be at least 1, a new tangent for "
-                                     "each solve"));
+                                     "each step"));
   }
 }
 

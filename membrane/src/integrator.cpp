@@ -12,7 +12,7 @@ namespace ductile::membrane {
 
 std::span<const Scheme> schemes() {
   static const Scheme table[] = {
-      scheme<ExplicitEuler>("explicit-euler"),
+      scheme<ExplicitEuler>("explicit-euler"),  // stays the first: reference_scheme()
       scheme<AdamsBashforth>("adams-bashforth"),
       scheme<SemiImplicit>("semi-implicit"),
       scheme<Implicit>("implicit"),
@@ -23,6 +23,10 @@ std::span<const Scheme> schemes() {
 void Integrator::correct_force(const State& /*state*/, Vec /*fluid_velocity*/,
                                const Response& /*response*/, Vec /*increment*/) {
   throw std::logic_error("this integrator makes no corrections");
+}
+
+const Scheme& reference_scheme() {
+  return schemes().front();
 }
 
 std::vector<std::string_view> integrator_names() {

@@ -276,7 +276,7 @@ Shape Shell::shape(Vec positions) const {
 }
 
 Vector3d Shape::semi_axes() const {
-  // Of an ellipsoid with semi-axes a, b, c: (4 pi/15) a b c (a^2, b^2, c^2).
+  // An ellipsoid with semi-axes a, b, c has (4 pi/15) a b c (a^2, b^2, c^2).
   const Vector3d moments = Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia, Eigen::EigenvaluesOnly)
                                .eigenvalues()
                                .reverse() *

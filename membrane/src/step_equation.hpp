@@ -39,7 +39,7 @@ class StepEquation {
   /// The equation is meant to be linearised anew: takes the row sums of B.
   void lump();
 
-  /// Between y and F.
+  /// Turns y into F, and F into y.
   void to_force(Vec y, Vec force) const;
   void to_unknown(Vec force, Vec y) const;
   /// positions <- x + h u + B F; force and positions may not be the same.

@@ -62,8 +62,8 @@ std::vector<Case> cases() {
       std::replace(text.begin(), text.end(), '-', '_');
       return text;
     }();
-    const bool implicit = scheme.traits.weights.empty();
-    if (!implicit) {
+    // Those that reach far are given a stiffness that explicit Euler does not bear.
+    if (scheme.traits.reach < 100) {
       result.push_back({name, make_integrator(scheme.name)});
       continue;
     }

@@ -125,7 +125,7 @@ int frequency_for_edge(double radius, double edge) {
     throw std::invalid_argument("frequency_for_edge: radius " + std::to_string(radius) +
                                 " and edge " + std::to_string(edge) + " must be positive");
   }
-  const int guess = static_cast<int>(std::min(1.2085 * radius / edge, 1e6));
+  const int guess = static_cast<int>(std::min(icosphere_edge(radius, 1) / edge, 1e6));
   int best = 2;
   double best_error = std::abs(mean_edge(icosphere(best, radius)) - edge);
   for (int n = std::max(3, guess - 1); n <= guess + 2; ++n) {

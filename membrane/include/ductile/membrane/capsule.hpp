@@ -95,7 +95,8 @@ class Capsule {
   /// remembers under "integrator/..."; between two steps.
   void save(const StateWriter& write) const;
   /// Takes over what save() of a capsule of the same reference, moduli and options wrote, wherever
-  /// that one was, and goes on to the last bit as it would have (see Integrator::load()). Passes on
+  /// that one was, and goes on to the last bit as it would have (see Integrator::load()). The
+  /// integrator is made anew, and reads its options of PETSc again. Passes on
   /// what `read` throws; the capsule is then as it was.
   void load(const StateReader& read);
 

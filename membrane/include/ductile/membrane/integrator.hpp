@@ -165,6 +165,8 @@ Scheme scheme(std::string_view name) {
 
 /// The schemes there are.
 std::span<const Scheme> schemes();
+/// Explicit Euler, the paper's: the limit and the cost of others are counted in its own.
+const Scheme& reference_scheme();
 /// Their names.
 std::vector<std::string_view> integrator_names();
 /// That of schemes() with this name. Throws std::invalid_argument, listing them, for any other.

@@ -111,8 +111,8 @@ struct State {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< that moved it here in the last step
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< body frame to space frame
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< space frame; that turned it here
-  /// Of each marker on the fluid in the last step, body frame. Kept with a memory alone; given
-  /// empty: 0.
+  /// Force of each marker on the fluid in the last step, body frame. Kept with a memory alone;
+  /// given empty: 0.
   std::vector<Eigen::Vector3d> forces;
 };
 
@@ -207,7 +207,7 @@ class Body {
                                              const Eigen::Vector3d& vector) const;
   // Per unit density, at t^(n-1).
   [[nodiscard]] Eigen::Vector3d angular_momentum_before() const;
-  // To the force of the step under way.
+  // Adds to the force of the step under way.
   void add_force(std::size_t marker, const Eigen::Vector3d& force);
 
   Surface surface_;
