@@ -1,0 +1,117 @@
+#include "ductile/suspension/body.hpp"
+
+#include <utility>
+
+#include "ductile/suspension/markers.hpp"
+
+namespace ductile::suspension {
+namespace {
+
+class CapsuleBody final : public Body {
+ public:
+  CapsuleBody(const Plan& plan, const BodyPlan& body)
+      : units_(plan.units), plan_(body), capsule_(make(plan, body)), markers_(*capsule_) {}
+
+  [[nodiscard]] coupling::Body& markers() override { return markers_; }
+  [[nodiscard]] std::span<const double> positions() const override { return capsule_->positions(); }
+  [[nodiscard]] std::span<const double> velocities() const override {
+    return capsule_->velocities();
+  }
+  [[nodiscard]] std::span<const double> forces() const override { return capsule_->forces(); }
+  [[nodiscard]] Observation observe() const override {
+    const membrane::Shape shape = capsule_->shape();
+    // The centroid one step ago, from the velocities that moved the vertices since.
+    const membrane::Shell& shell = capsule_->shell();
+    const membrane::VecPtr before = shell.create_vec();
+    membrane::petsc_check(VecWAXPY(before.get(), -1, capsule_->state().velocities.get(),
+                                   capsule_->state().positions.get()));
+    const Eigen::Vector3d displacement = shape.centroid - shell.shape(before.get()).centroid;
+    return {units_,           plan_,          shape.centroid, displacement,
+            capsule_->slip(), capsule_.get(), shape,          nullptr};
+  }
+  [[nodiscard]] membrane::SolveStatistics solver() const override { return capsule_->statistics(); }
+  void save(const StateWriter& write) const override { capsule_->save(write); }
+  void load(const StateReader& read) override { capsule_->load(read); }
+
+ private:
+  static std::unique_ptr<membrane::Capsule> make(const Plan& plan, const BodyPlan& body) {
+    const CapsulePlan& kind = *body.capsule();
+    const surface::Mesh reference = body.mesh();
+    surface::Mesh placed = reference;
+    surface::place(placed, body.rotation, body.centre);
+    membrane::CapsuleOptions options;
+    options.mobility = kind.mobility;
+    options.viscosity = plan.units.viscosity();
+    options.integrator = membrane::make_integrator(kind.integrator, kind.integrator_options);
+    return std::make_unique<membrane::Capsule>(reference, placed.vertices, kind.moduli, options);
+  }
+
+  const Units& units_;
+  const BodyPlan& plan_;
+  std::unique_ptr<membrane::Capsule> capsule_;
+  CapsuleMarkers markers_;
+};
+
+class RigidBody final : public Body {
+ public:
+  RigidBody(const Plan& plan, const BodyPlan& body)
+      : units_(plan.units),
+        plan_(body),
+        body_(make(plan, body)),
+        markers_(body_),
+        surface_(3 * surface::vertex_count(body.frequency)) {}
+
+  [[nodiscard]] coupling::Body& markers() override { return markers_; }
+  [[nodiscard]] std::span<const double> positions() const override {
+    return body_.positions().first(surface_);
+  }
+  [[nodiscard]] std::span<const double> velocities() const override {
+    return std::as_const(markers_).velocity().first(surface_);
+  }
+  [[nodiscard]] std::span<const double> forces() const override { return {}; }
+  [[nodiscard]] Observation observe() const override {
+    const rigid::State& state = body_.state();
+    return {units_, plan_, state.position, state.velocity, body_.slip().max, nullptr, {}, &body_};
+  }
+  void save(const StateWriter& write) const override {
+    body_.save(write);
+    write("fluid_velocity", markers_.velocity());
+  }
+  void load(const StateReader& read) override {
+    body_.load(read);
+    read("fluid_velocity", markers_.velocity());
+  }
+
+ private:
+  static rigid::Body make(const Plan& plan, const BodyPlan& body) {
+    const RigidPlan& kind = *body.rigid();
+    rigid::Options options;
+    options.density_ratio = kind.density_ratio;
+    options.gravity = plan.gravity;
+    options.corrections = kind.corrections;
+    options.memory = kind.memory;
+    rigid::State state;
+    state.position = body.centre;
+    state.orientation = Eigen::Quaterniond(body.rotation);
+    const rigid::Surface markers =
+        rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
+    const rigid::Solid solid = rigid::solid_of(*body.shape);
+    return {rigid::lined(markers, solid, options), solid, options, state};
+  }
+
+  const Units& units_;
+  const BodyPlan& plan_;
+  rigid::Body body_;
+  RigidMarkers markers_;
+  std::size_t surface_;  // numbers of the mesh's vertices, which come before any inside the body
+};
+
+}  // namespace
+
+std::unique_ptr<Body> make_body(const Plan& plan, std::size_t index) {
+  const BodyPlan& body = plan.bodies.at(index);
+  if (body.capsule() != nullptr) return std::make_unique<CapsuleBody>(plan, body);
+  return std::make_unique<RigidBody>(plan, body);
+}
+
+}  // namespace ductile::suspension

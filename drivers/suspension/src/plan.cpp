@@ -1,0 +1,116 @@
+#include "ductile/suspension/plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "ductile/fluid/duct.hpp"
+
+namespace ductile::suspension {
+
+double half_width(int nodes, fluid::Boundary walls) {
+  return walls == fluid::Boundary::regularized ? (nodes - 1) / 2.0 : nodes / 2.0;
+}
+
+double poiseuille_coefficient(double half_width_y, bool side_walls) {
+  return side_walls ? fluid::DuctFlow({1.0, half_width_y}, 1.0, 1.0).maximum() : 0.5;
+}
+
+Units Plan::channel_units(const fluid::Options& fluid) {
+  double y = (fluid.nodes[1] - 1) / 2.0;
+  if (fluid.mirror == fluid::Mirror::between_nodes) y = -0.5;
+  if (fluid.mirror == fluid::Mirror::on_node) y = 0;
+  return {suspension::half_width(fluid.nodes[0], fluid.boundary[0]),
+          lattice_viscosity(fluid.tau),
+          {(fluid.nodes[0] - 1) / 2.0, y, fluid.nodes[2] / 2.0}};
+}
+
+void Plan::drive(double reynolds) {
+  const double W = units.half_width();
+  const double nu = units.viscosity();
+  u_max = units.lattice_velocity(reynolds / 2);
+  const double alpha =
+      u_max * nu / (poiseuille_coefficient(half_width_y() / W, side_walls()) * W * W);
+  fluid.force = {0, 0, alpha};
+}
+
+void Plan::check() const {
+  const auto refuse = [](const std::string& what) { throw std::invalid_argument("plan: " + what); };
+  if (units.viscosity() != lattice_viscosity(fluid.tau)) {
+    refuse("the units have the viscosity " + std::to_string(units.viscosity()) +
+           ", the fluid of tau = " + std::to_string(fluid.tau) + " has " +
+           std::to_string(lattice_viscosity(fluid.tau)) +
+           ": make units by channel_units() once the fluid is final");
+  }
+  const auto [low, high] = wall_velocity();
+  if (start == Start::developed && (fluid.boundary[0] == fluid::Boundary::periodic ||
+                                    fluid.boundary[2] != fluid::Boundary::periodic ||
+                                    (side_walls() && (low != 0 || high != 0)))) {
+    refuse(
+        "no developed flow is known but along z between walls across x that do not move, or "
+        "plates: start at rest");
+  }
+  std::set<std::string> names;
+  for (const BodyPlan& body : bodies) {
+    if (body.name.empty() || !names.insert(body.name).second)
+      refuse("body name '" + body.name + "' is empty or taken: give each body its own");
+    if (!body.shape) refuse("body " + body.name + " has no shape");
+  }
+}
+
+double Plan::half_width_y() const {
+  int nodes = fluid.nodes[1];
+  if (fluid.mirror == fluid::Mirror::between_nodes) nodes = 2 * nodes;
+  if (fluid.mirror == fluid::Mirror::on_node) nodes = 2 * nodes - 1;
+  return half_width(nodes, fluid.boundary[1]);
+}
+
+std::int64_t Plan::node_count() const {
+  return static_cast<std::int64_t>(fluid.nodes[0]) * fluid.nodes[1] * fluid.nodes[2];
+}
+
+double Plan::mach() const {
+  const auto [low, high] = wall_velocity();
+  return std::sqrt(3.0) * std::max({u_max, std::abs(low), std::abs(high)});
+}
+
+fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {
+  fluid::Fluid fluid(comm, plan.fluid);
+  if (plan.start == Start::rest) return fluid;
+
+  const double w = plan.units.half_width();
+  const double nu = plan.units.viscosity();
+  const double alpha = plan.fluid.force.z();
+  const std::array<double, 2> wall_velocity = plan.wall_velocity();
+  const double half_width_y = plan.half_width_y();
+  const fluid::DuctFlow duct({w, half_width_y}, alpha, nu);
+  const Eigen::Vector3d& axis = plan.units.origin();
+  // The same for a whole column of nodes, which initialise() visits one after the other.
+  std::array<int, 2> column = {-1, -1};
+  fluid::NodeState state;
+  fluid.initialise([&](int i, int j, int /*k*/) {
+    if (column == std::array<int, 2>{i, j}) return state;
+    column = {i, j};
+    state = {};
+    const double x = i - axis.x();
+    const double y = j - axis.y();
+    if (!plan.side_walls()) {
+      const double shear = (wall_velocity[1] - wall_velocity[0]) / (2 * w);
+      state.velocity.z() = alpha / (2 * nu) * (w * w - x * x) +
+                           0.5 * (wall_velocity[0] + wall_velocity[1]) + shear * x;
+      state.gradient(0, 2) = -alpha / nu * x + shear;
+    } else if (std::abs(x) < w && std::abs(y) < half_width_y) {
+      state.velocity.z() = duct.velocity(x, y);
+      const Eigen::Vector2d gradient = duct.gradient(x, y);
+      state.gradient(0, 2) = gradient.x();
+      state.gradient(1, 2) = gradient.y();
+    }
+    return state;
+  });
+  return fluid;
+}
+
+}  // namespace ductile::suspension

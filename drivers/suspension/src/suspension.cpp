@@ -1,0 +1,191 @@
+#include "ductile/suspension/suspension.hpp"
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "gather.hpp"
+
+namespace ductile::suspension {
+namespace {
+
+using fluid::mpi_check;
+
+Plan checked(Plan plan) {
+  plan.check();
+  return plan;
+}
+
+}  // namespace
+
+Suspension::Suspension(Plan plan, MPI_Comm comm)
+    : plan_(checked(std::move(plan))), comm_(comm), fluid_(make_fluid(plan_, comm_.get())) {
+  make_bodies();
+  std::vector<coupling::Member> members;
+  for (const Owned& owned : bodies_) {
+    members.push_back({static_cast<int>(owned.index), &owned.body->markers()});
+  }
+  coupler_.emplace(fluid_, std::move(members), static_cast<int>(plan_.bodies.size()));
+}
+
+// A body that cannot be made is its owner's to notice, and every rank's to hear of.
+void Suspension::make_bodies() {
+  int refused = INT_MAX;
+  std::string reason;
+  for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
+    if (owner(b) != rank()) continue;
+    try {
+      bodies_.push_back({b, make_body(plan_, b)});
+    } catch (const std::exception& error) {
+      refused = static_cast<int>(b);
+      reason = error.what();
+      break;
+    }
+  }
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &refused, 1, MPI_INT, MPI_MIN, comm()), "MPI_Allreduce");
+  if (refused == INT_MAX) return;
+  const auto body = static_cast<std::size_t>(refused);
+  int length = static_cast<int>(reason.size());
+  mpi_check(MPI_Bcast(&length, 1, MPI_INT, owner(body), comm()), "MPI_Bcast");
+  reason.resize(static_cast<std::size_t>(length));
+  mpi_check(MPI_Bcast(reason.data(), length, MPI_CHAR, owner(body), comm()), "MPI_Bcast");
+  throw std::invalid_argument("body " + plan_.bodies[body].name + ": " + reason);
+}
+
+const Body* Suspension::own(std::size_t body) const {
+  for (const Owned& owned : bodies_) {
+    if (owned.index == body) return owned.body.get();
+  }
+  return nullptr;
+}
+
+Sample Suspension::sample() const {
+  const Gather gather(comm());
+  Sample all;
+  for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
+    BodySample body;
+    if (const Body* mine = own(b)) body = suspension::sample(mine->observe());
+    body.values = gather.from(owner(b), body.values);
+    body.capsule = plan_.bodies[b].capsule() != nullptr;
+    if (rank() == 0) all.bodies.push_back(std::move(body));
+  }
+  if (rank() == 0) all.time = time();
+  return all;
+}
+
+std::vector<membrane::SolveStatistics> Suspension::solvers() const {
+  const Gather gather(comm());
+  std::vector<membrane::SolveStatistics> all;
+  for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
+    std::array<double, 5> counts{};
+    if (const Body* mine = own(b)) {
+      const membrane::SolveStatistics s = mine->solver();
+      std::ranges::transform(
+          std::array{s.solves, s.newton_iterations, s.krylov_iterations, s.tangents, s.step_cuts},
+          counts.begin(), [](std::int64_t count) { return static_cast<double>(count); });
+    }
+    const std::vector<double> values = gather.from(owner(b), counts);
+    if (rank() != 0) continue;
+    const auto count = [&values](std::size_t n) { return static_cast<std::int64_t>(values[n]); };
+    all.push_back({count(0), count(1), count(2), count(3), count(4)});
+  }
+  return all;
+}
+
+std::vector<SurfaceState> Suspension::surfaces() const {
+  const Gather gather(comm());
+  const Units& units = plan_.units;
+  std::vector<SurfaceState> all;
+  for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
+    const Body* mine = own(b);
+    const auto get = [&](auto member) {
+      return gather.from(owner(b), mine != nullptr ? (mine->*member)() : std::span<const double>());
+    };
+    SurfaceState surface{get(&Body::positions), get(&Body::velocities), get(&Body::forces)};
+    if (rank() != 0) continue;
+    for (std::size_t n = 0; n + 2 < surface.position.size(); n += 3) {
+      auto x = Eigen::Vector3d::Map(&surface.position[n]);
+      x = units.position(x);
+    }
+    for (double& u : surface.velocity) u = units.velocity(u);
+    for (double& f : surface.force) f = units.force(f);
+    all.push_back(std::move(surface));
+  }
+  return all;
+}
+
+FluidState Suspension::fields() {
+  // Slabs are put side by side along z, one after the other.
+  const Gather gather(comm());
+  const auto columns = static_cast<std::size_t>(plan_.fluid.nodes[0]) *
+                       static_cast<std::size_t>(plan_.fluid.nodes[1]);
+  const auto planes = static_cast<std::size_t>(plan_.fluid.nodes[2]);
+  const auto own_planes = static_cast<std::size_t>(fluid_.slab().size());
+  std::vector<double> density(columns * own_planes);
+  std::vector<double> velocity(3 * columns * own_planes);
+  fluid_.fields(density, velocity);
+  FluidState all;
+  if (rank() == 0) {
+    all.density.resize(columns * planes);
+    all.velocity.resize(3 * columns * planes);
+  }
+  for (int r = 0; r < ranks(); ++r) {
+    if (rank() != 0 && rank() != r) continue;
+    const std::vector<double> rho = gather.from(r, density);
+    const std::vector<double> u = gather.from(r, velocity);
+    if (rank() != 0) continue;
+    const fluid::Range slab = fluid_.slab(r);
+    const auto count = static_cast<std::size_t>(slab.size());
+    for (std::size_t column = 0; column < columns; ++column) {
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t to = column * planes + static_cast<std::size_t>(slab.begin) + k;
+        all.density[to] = rho[column * count + k];
+        for (std::size_t a = 0; a < 3; ++a) {
+          all.velocity[a * all.density.size() + to] =
+              plan_.units.velocity(u[a * rho.size() + column * count + k]);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+void Suspension::save(const StateWriter& write) {
+  const auto inside = [&write](const std::string& prefix) {
+    return [&write, prefix](std::string_view name, std::span<const double> numbers) {
+      write(prefix + std::string(name), numbers);
+    };
+  };
+  fluid_.save(inside("fluid/"));
+  for (const Owned& owned : bodies_) {
+    owned.body->save(inside("body/" + plan_.bodies[owned.index].name + "/"));
+  }
+}
+
+void Suspension::load(const StateReader& read) {
+  const auto inside = [&read](const std::string& prefix) {
+    return [&read, prefix](std::string_view name, std::span<double> numbers) {
+      read(prefix + std::string(name), numbers);
+    };
+  };
+  std::exception_ptr failure;
+  try {
+    fluid_.load(inside("fluid/"));
+    for (const Owned& owned : bodies_) {
+      owned.body->load(inside("body/" + plan_.bodies[owned.index].name + "/"));
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  coupler_->bodies_replaced();
+  int failed = failure ? 1 : 0;
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm()), "MPI_Allreduce");
+  if (failure) std::rethrow_exception(failure);
+  if (failed != 0) throw std::runtime_error("the state could not be loaded on another rank");
+}
+
+}  // namespace ductile::suspension
