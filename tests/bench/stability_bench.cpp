@@ -25,36 +25,31 @@
 #include <string>
 #include <vector>
 
-#include "assembly.hpp"
-#include "bodies.hpp"
+#include "analysis/stability.hpp"
+#include "checks/read_case.hpp"
 #include "drivers/stability_box.hpp"
 #include "ductile/coupling/coupler.hpp"
-#include "response.hpp"
 #include "ductile/surface/mesh.hpp"
-#include "stability.hpp"
-#include "units.hpp"
+#include "ductile/suspension/suspension.hpp"
+#include "response.hpp"
 
 namespace {
 
 using namespace ductile;
-using drivers::BodyShape;
 using drivers::StabilityProblem;
 
 constexpr double accuracy = 1.02;
 
-bool fails_in_channel(const drivers::Scenario& scenario) {
+bool fails_in_channel(const suspension::Plan& plan) {
   constexpr int steps = 3000;
-  const drivers::LatticeSetup setup = drivers::lattice_setup(scenario);
-  fluid::Fluid fluid = drivers::make_fluid(scenario, setup, MPI_COMM_SELF);
-  const auto body = drivers::make_body(scenario, setup, 0);
-  coupling::Coupler coupler(fluid, {{0, &body->markers()}}, 1);
+  suspension::Suspension suspension(plan, MPI_COMM_SELF);
   std::vector<double> before;
   double change = 0;
   try {
     for (int n = 0; n < steps; ++n) {
-      coupler.step();
+      suspension.step();
       if (n + 2 < steps) continue;
-      const std::span<const double> now = body->velocities();
+      const std::span<const double> now = suspension.own(0)->velocities();
       change = 0;
       for (std::size_t i = 0; i < before.size(); ++i)
         change += (now[i] - before[i]) * (now[i] - before[i]);
@@ -63,7 +58,7 @@ bool fails_in_channel(const drivers::Scenario& scenario) {
   } catch (const coupling::BodyFailure&) {
     return true;
   }
-  return !(std::sqrt(3 * change / static_cast<double>(before.size())) < 1e-3 * setup.u_max);
+  return !(std::sqrt(3 * change / static_cast<double>(before.size())) < 1e-3 * plan.u_max);
 }
 
 /// The scale at which `fails` begins to hold, looked for from `guess`.
@@ -150,9 +145,8 @@ std::string line(const Case& c) {
   const StabilityProblem& p = c.problem;
   const membrane::Moduli& k = p.moduli;
   return fmt::format("{},{},{},{:g},{},{:.3g},{:.3g},{},{:.3g},{:.3g},{:.3g},{},{:g}", c.group,
-                     c.scenario.empty() ? "box" : "channel", c.integrator, p.tau,
-                     p.shape == BodyShape::biconcave ? "biconcave" : "sphere", p.radius, c.edge,
-                     k.law == membrane::StrainLaw::skalak ? "skalak" : "neo-hookean",
+                     c.scenario.empty() ? "box" : "channel", c.integrator, p.tau, p.shape, p.radius,
+                     c.edge, k.law == membrane::StrainLaw::skalak ? "skalak" : "neo-hookean",
                      k.k_s > 0 ? k.k_a / k.k_s : 0, k.k_s > 0 ? k.k_b / k.k_s : 0,
                      k.k_s > 0 ? k.k_v / k.k_s : 0,
                      p.collision == fluid::Collision::bgk ? "bgk" : "trt", p.mobility);
@@ -172,14 +166,14 @@ class Cases {
     each({.tau = 0.6, .edge = 0.7});
     for (const double tau : {1.0, 0.6}) {
       for (const double mobility : {0.0, 3e-3}) each({.tau = tau, .mobility = mobility});
-      each({.tau = tau, .shape = BodyShape::biconcave});
+      each({.tau = tau, .shape = "biconcave"});
       for (const double ratio : {0.0, 0.5, 10.0})
         add("shear", {.tau = tau}, {.k_s = 1, .k_a = ratio});
       add("shear", {.tau = tau}, {.law = membrane::StrainLaw::neo_hookean, .k_s = 1});
       mixtures({.tau = tau});
-      mixtures({.tau = tau, .shape = BodyShape::biconcave});
+      mixtures({.tau = tau, .shape = "biconcave"});
     }
-    each({.integrator = adams, .shape = BodyShape::biconcave});
+    each({.integrator = adams, .shape = "biconcave"});
     mixtures({.integrator = adams});
     for (const double tau : {0.9, 0.7}) each({.tau = tau, .collision = fluid::Collision::trt});
     channels();
@@ -195,7 +189,7 @@ class Cases {
     double edge = 1.2;
     const char* integrator = euler;
     double mobility = 1e-3;
-    BodyShape shape = BodyShape::sphere;
+    const char* shape = "sphere";
     fluid::Collision collision = fluid::Collision::bgk;
   };
 
@@ -221,7 +215,7 @@ class Cases {
   // The paper's bending with a volume modulus that matters as much; and bending as well.
   void mixtures(const Common& c) {
     const double k_b = 2.87e-3 * c.radius * c.radius;
-    const double k_v = c.shape == BodyShape::sphere ? 2 : 1.2;
+    const double k_v = c.shape == std::string("sphere") ? 2 : 1.2;
     add("mixture", c, {.k_s = 1, .k_a = 2, .k_b = k_b, .k_v = k_v});
     add("mixture", c, {.k_s = 1, .k_a = 2, .k_b = c.tau > 0.8 ? 1.4 : 0.7, .k_v = k_v});
   }
@@ -265,27 +259,28 @@ void run(Case c, bool measure) {
   if (c.scenario.empty()) {
     const membrane::Moduli& k = c.problem.moduli;
     unit = k.k_s > 0 ? k.k_s : (k.k_b > 0 ? k.k_b : k.k_v);
-    fails = [&](double scale) { return test::fails_in_box(c.problem, c.integrator, scale, 2000); };
+    fails = [&](double scale) {
+      return test::fails_in_box(c.problem, membrane::find_scheme(c.integrator), scale, 2000);
+    };
   } else {
     const double reference = c.group == "bending" ? 1e-2 : (c.group == "volume" ? 1e4 : 100);
-    const drivers::Scenario scenario =
-        drivers::parse_scenario(with(c.scenario, reference), "channel");
-    const drivers::LatticeSetup setup = drivers::lattice_setup(scenario);
-    c.problem = drivers::stability_problem(scenario, setup, 0);
-    c.integrator = scenario.bodies[0].membrane.integrator;
-    c.edge = scenario.bodies[0].membrane.edge;
+    const drivers::Case given = drivers::parse_case(with(c.scenario, reference), "channel");
+    c.problem = drivers::stability_problem(given.plan, 0);
+    c.integrator = given.scenario.bodies[0].membrane.integrator;
+    c.edge = given.scenario.bodies[0].membrane.edge;
     const membrane::Moduli& k = c.problem.moduli;
     unit = c.group == "bending" ? k.k_b : (c.group == "volume" ? k.k_v : k.k_s);
     fails = [&c, reference](double scale) {
       return fails_in_channel(
-          drivers::parse_scenario(with(c.scenario, reference * scale), "channel"));
+          drivers::parse_case(with(c.scenario, reference * scale), "channel").plan);
     };
     // The default volume modulus does not follow the Laplace number.
     if (c.group == "mixture") c.problem.moduli.k_v = 0;
   }
   const drivers::StabilityModel model(c.problem);
-  const double predicted = 1 / raised_load(c, model.load(c.integrator));
-  const auto weakest = model.weakest(c.integrator);
+  const std::vector<double>& weights = membrane::find_scheme(c.integrator).traits.weights;
+  const double predicted = 1 / raised_load(c, model.load(weights));
+  const auto weakest = model.weakest(weights);
   double measured = std::nan("");
   if (measure) measured = limit(predicted, fails);
   std::printf("%s,%.4g,%.4g,%.3f,%.3g,%.2f,%d\n", line(c).c_str(), predicted * unit,

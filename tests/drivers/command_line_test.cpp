@@ -1,5 +1,3 @@
-#include "command_line.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -7,18 +5,44 @@
 #include <string>
 #include <vector>
 
+#include "commands/check.hpp"
+#include "commands/compare.hpp"
+#include "commands/program.hpp"
+#include "commands/run.hpp"
 #include "ductile/membrane/integrator.hpp"
-#include "errors.hpp"
-#include "pairs.hpp"
+#include "scenario/errors.hpp"
+#include "scenario/pairs.hpp"
+#include "scenario/writer.hpp"
 
 namespace ductile::drivers {
 namespace {
 
 const std::string scenario_dir = DUCTILE_SCENARIO_DIR;
 
+/// What a command that runs one case makes of the arguments.
+SingleRun::Request request(const std::vector<std::string>& arguments) {
+  const CommandLine line(arguments);
+  return dynamic_cast<SingleRun&>(*line.command()).prepare();
+}
+
+Scenario scenario(const std::vector<std::string>& arguments) {
+  return request(arguments).given.scenario;
+}
+
+CompareCommand::Request comparison(const std::vector<std::string>& arguments) {
+  const CommandLine line(arguments);
+  return dynamic_cast<CompareCommand&>(*line.command()).prepare();
+}
+
 std::string refused(const std::vector<std::string>& arguments) {
   try {
-    parse_command_line(arguments);
+    const CommandLine line(arguments);
+    if (auto* single = dynamic_cast<SingleRun*>(line.command()))
+      static_cast<void>(single->prepare());
+    if (auto* compare = dynamic_cast<CompareCommand*>(line.command()))
+      static_cast<void>(compare->prepare());
+    if (auto* check = dynamic_cast<CheckCommand*>(line.command()))
+      static_cast<void>(check->prepare());
     return "";
   } catch (const InputError& error) {
     return error.what();
@@ -28,18 +52,16 @@ std::string refused(const std::vector<std::string>& arguments) {
 TEST(CommandLine, PairIsItsScenarioFileWithTheSameValues) {
   ASSERT_EQ(pair_scenarios().size(), 7U);
   for (const auto& [name, text] : pair_scenarios()) {
-    const Command pair = parse_command_line({"pair", std::string(name), "--x-lag", "0.1", "--nodes",
-                                             "48", "--tau", "0.9", "--length", "10", "--time-limit",
-                                             "7", "--set", "membrane.mobility=0"});
-    const Command run = parse_command_line(
-        {"run", scenario_dir + "/" + std::string(name) + ".toml", "--set", "body.lag.x=0.1",
-         "--set=channel.nodes=48", "--set", "fluid.tau=0.9", "--set", "channel.length=10", "--set",
-         "run.time_limit=7", "--set", "membrane.mobility=0"});
-    EXPECT_EQ(pair.action, Command::Action::run);
-    EXPECT_EQ(run.action, Command::Action::run);
-    EXPECT_EQ(pair.scenario, run.scenario) << name;
-    EXPECT_EQ(pair.scenario.bodies.at(1).x, 0.1);
-    EXPECT_EQ(resolved_toml(pair.scenario), resolved_toml(run.scenario));
+    const Scenario pair =
+        scenario({"pair", std::string(name), "--x-lag", "0.1", "--nodes", "48", "--tau", "0.9",
+                  "--length", "10", "--time-limit", "7", "--set", "membrane.mobility=0"});
+    const Scenario run = scenario({"run", scenario_dir + "/" + std::string(name) + ".toml", "--set",
+                                   "body.lag.x=0.1", "--set=channel.nodes=48", "--set",
+                                   "fluid.tau=0.9", "--set", "channel.length=10", "--set",
+                                   "run.time_limit=7", "--set", "membrane.mobility=0"});
+    EXPECT_EQ(pair, run) << name;
+    EXPECT_EQ(pair.bodies.at(1).x, 0.1);
+    EXPECT_EQ(resolved_toml(pair), resolved_toml(run));
   }
 }
 
@@ -47,12 +69,12 @@ TEST(CommandLine, PairIsItsScenarioFileWithTheSameValues) {
 TEST(CommandLine, PairsAreThePapers) {
   struct Particle {
     BodyKind kind;
-    BodyShape shape;
+    std::string shape;
     double laplace;
   };
   constexpr auto capsule = BodyKind::capsule;
-  constexpr auto sphere = BodyShape::sphere;
-  constexpr auto cell = BodyShape::biconcave;
+  const std::string sphere = "sphere";
+  const std::string cell = "biconcave";
   const std::vector<std::pair<std::string, std::array<Particle, 2>>> table = {
       {"M1", {{{capsule, sphere, 10}, {capsule, sphere, 10}}}},
       {"M2", {{{capsule, sphere, 100}, {capsule, sphere, 100}}}},
@@ -63,7 +85,7 @@ TEST(CommandLine, PairsAreThePapers) {
       {"B4", {{{capsule, sphere, 100}, {capsule, sphere, 10}}}}};
   for (const auto& [name, particles] : table) {
     for (const char* x_lag : {"-0.4", "-0.2", "0", "0.2", "0.4"}) {
-      const Scenario s = parse_command_line({"pair", name, "--x-lag", x_lag}).scenario;
+      const Scenario s = scenario({"pair", name, "--x-lag", x_lag});
       EXPECT_EQ(s.name, name);
       EXPECT_EQ(s.channel.reynolds, 10);
       ASSERT_EQ(s.bodies.size(), 2U);
@@ -83,24 +105,25 @@ TEST(CommandLine, PairsAreThePapers) {
 }
 
 TEST(CommandLine, DirectoriesAreNamedForTheRun) {
-  EXPECT_EQ(parse_command_line({"pair", "M1", "--x-lag", "-0.20"}).directory, "runs/M1_x-lag_-0.2");
-  EXPECT_EQ(parse_command_line({"run", scenario_dir + "/rigid.toml"}).directory, "runs/rigid");
-  EXPECT_EQ(parse_command_line({"pair", "M1", "--x-lag", "0", "-o", "some/where"}).directory,
-            "some/where");
+  EXPECT_EQ(request({"pair", "M1", "--x-lag", "-0.20"}).directory, "runs/M1_x-lag_-0.2");
+  EXPECT_EQ(request({"run", scenario_dir + "/rigid.toml"}).directory, "runs/rigid");
+  EXPECT_EQ(request({"pair", "M1", "--x-lag", "0", "-o", "some/where"}).directory, "some/where");
 }
 
 // Whatever file and --set say of single bodies; rigid ones have no integrator.
 TEST(CommandLine, CompareGivesAllCapsulesEachIntegrator) {
   const std::string file = DUCTILE_SOURCE_DIR "/tests/drivers/three_kinds.toml";
-  const Command command = parse_command_line(
-      {"compare", file, "--integrators", "adams-bashforth,explicit-euler", "--set",
-       "body.cell.integrator=adams-bashforth", "--set", "run.time_limit=0.1"});
-  EXPECT_EQ(command.action, Command::Action::compare);
-  EXPECT_EQ(command.directory, "runs/three-kinds_compare");
-  ASSERT_EQ(command.integrators.size(), 2U);
-  EXPECT_EQ(command.integrators[0].first, "adams-bashforth");
-  EXPECT_EQ(command.integrators[1].first, "explicit-euler");
-  for (const auto& [name, scenario] : command.integrators) {
+  const CompareCommand::Request asked =
+      comparison({"compare", file, "--integrators", "adams-bashforth,explicit-euler", "--set",
+                  "body.cell.integrator=adams-bashforth", "--set", "run.time_limit=0.1"});
+  const Scenario plain = scenario({"run", file, "--set", "body.cell.integrator=adams-bashforth",
+                                   "--set", "run.time_limit=0.1"});
+  EXPECT_EQ(asked.directory, "runs/three-kinds_compare");
+  ASSERT_EQ(asked.cases.size(), 2U);
+  EXPECT_EQ(asked.cases[0].first, "adams-bashforth");
+  EXPECT_EQ(asked.cases[1].first, "explicit-euler");
+  for (const auto& [name, compared] : asked.cases) {
+    const Scenario& scenario = compared.scenario;
     EXPECT_EQ(scenario.run.time_limit, 0.1);
     for (const BodyOptions& body : scenario.bodies) {
       if (body.kind == BodyKind::rigid) continue;
@@ -108,10 +131,10 @@ TEST(CommandLine, CompareGivesAllCapsulesEachIntegrator) {
     }
     // Nothing else differs from the scenario itself.
     Scenario same = scenario;
-    same.membrane.integrator = command.scenario.membrane.integrator;
+    same.membrane.integrator = plain.membrane.integrator;
     for (std::size_t b = 0; b < same.bodies.size(); ++b)
-      same.bodies[b].membrane.integrator = command.scenario.bodies[b].membrane.integrator;
-    EXPECT_EQ(same, command.scenario);
+      same.bodies[b].membrane.integrator = plain.bodies[b].membrane.integrator;
+    EXPECT_EQ(same, plain);
   }
 }
 
@@ -149,9 +172,13 @@ TEST(CommandLine, CompareRefusesWhatItCannotCompare) {
 }
 
 TEST(CommandLine, ProfileIsAskedFor) {
-  EXPECT_FALSE(parse_command_line({"run", scenario_dir + "/rigid.toml"}).profile);
-  EXPECT_TRUE(parse_command_line({"run", scenario_dir + "/rigid.toml", "--profile"}).profile);
-  EXPECT_TRUE(parse_command_line({"pair", "M1", "--x-lag", "0", "--profile"}).profile);
+  const auto profiled = [](const std::vector<std::string>& arguments) {
+    const CommandLine line(arguments);
+    return dynamic_cast<SingleRun&>(*line.command()).profile();
+  };
+  EXPECT_FALSE(profiled({"run", scenario_dir + "/rigid.toml"}));
+  EXPECT_TRUE(profiled({"run", scenario_dir + "/rigid.toml", "--profile"}));
+  EXPECT_TRUE(profiled({"pair", "M1", "--x-lag", "0", "--profile"}));
 }
 
 TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
@@ -166,7 +193,7 @@ TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
                 ": is not empty: add --force to replace the run in it, or choose another with -o");
   std::vector<std::string> forced = arguments;
   forced.emplace_back("--force");
-  EXPECT_TRUE(parse_command_line(forced).force);
+  EXPECT_EQ(request(forced).directory, directory);
   const std::string file = (directory / "trajectory.csv").string();
   EXPECT_EQ(refused({"pair", "M1", "--x-lag", "0", "-o", file}),
             file + ": is not a directory: choose another with -o");
@@ -205,8 +232,7 @@ TEST(CommandLine, PetscOptionsAreGivenAsToPetsc) {
   };
   const std::vector<PetscOption> expected = {
       {"log_view", ""}, {"membrane_ksp_rtol", "-1e-3"}, {"membrane_ksp_type", "cg"}};
-  EXPECT_EQ(parse_command_line(with("-membrane_ksp_type cg -membrane_ksp_rtol -1e-3 -log_view"))
-                .scenario.petsc,
+  EXPECT_EQ(scenario(with("-membrane_ksp_type cg -membrane_ksp_rtol -1e-3 -log_view")).petsc,
             expected);
   EXPECT_EQ(refused(with("membrane_ksp_type cg")),
             "--petsc \"membrane_ksp_type cg\": membrane_ksp_type is neither an option nor an "
@@ -214,16 +240,15 @@ TEST(CommandLine, PetscOptionsAreGivenAsToPetsc) {
             "-log_view\"");
 }
 
-TEST(CommandLine, HelpKeysAndVersionArePrinted) {
+TEST(CommandLine, HelpAndVersionArePrinted) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{"--help"}, {"run", "--help"}, {"pair", "-h"}}) {
-    const Command help = parse_command_line(arguments);
-    EXPECT_EQ(help.action, Command::Action::print);
-    EXPECT_NE(help.text.find("Exit codes: 0 success"), std::string::npos);
+    const CommandLine help(arguments);
+    EXPECT_EQ(help.command(), nullptr);
+    EXPECT_NE(help.text().find("Exit codes: 0 success"), std::string::npos);
   }
-  EXPECT_NE(parse_command_line({"pair", "--help"}).text.find("--x-lag"), std::string::npos);
-  EXPECT_EQ(parse_command_line({"keys"}).text, describe_keys());
-  const std::string version = parse_command_line({"--version"}).text;
+  EXPECT_NE(CommandLine({"pair", "--help"}).text().find("--x-lag"), std::string::npos);
+  const std::string version = CommandLine({"--version"}).text();
   for (const char* part : {"ductile ", "\ncompiler ", "\nMPI ", "\nPETSc 3.", "\nHDF5 1.",
                            "\nEigen 3.", "\ntoml++ ", "\nCLI11 ", "\nfmt "})
     EXPECT_NE(version.find(part), std::string::npos) << part << " is not in\n" << version;

@@ -1,4 +1,4 @@
-#include "comparison.hpp"
+#include "output/comparison.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,6 +15,9 @@
 namespace ductile::drivers {
 namespace {
 
+using suspension::BodySample;
+using suspension::Sample;
+
 using Path = std::function<Eigen::Vector3d(double time)>;
 
 /// Samples of bodies on given paths, every `step` from 0 to `end`.
@@ -24,7 +27,7 @@ std::vector<Sample> samples(const std::vector<Path>& paths, double step, double 
     Sample sample{n * step, {}};
     for (const Path& path : paths) {
       BodySample body;
-      body.position = path(sample.time);
+      Eigen::Vector3d::Map(body.values.data()) = path(sample.time);
       sample.bodies.push_back(body);
     }
     list.push_back(sample);
@@ -119,7 +122,7 @@ std::vector<Contender> contenders() {
     for (const char* name : {"lead", "lag"}) {
       BodySummary body;
       body.name = name;
-      body.position = c.samples.back().bodies[s.bodies.size()].position;
+      body.position = c.samples.back().bodies[s.bodies.size()].position();
       body.capsule = CapsuleSummary{};
       body.capsule->volume_error_max = 0.001 * static_cast<double>(1 + s.bodies.size());
       body.capsule->strain_energy = 0.0125;

@@ -5,15 +5,15 @@
 #include <string_view>
 #include <vector>
 
-#include "errors.hpp"
-#include "scenario.hpp"
+#include "checks/read_case.hpp"
+#include "scenario/errors.hpp"
 
 namespace ductile::drivers {
 
 /// The message with which a scenario is refused, or "" if it is not.
 inline std::string refusal(std::string_view text, const std::vector<Override>& overrides = {}) {
   try {
-    parse_scenario(text, "case.toml", overrides);
+    parse_case(text, "case.toml", overrides);
     return "";
   } catch (const InputError& error) {
     return error.what();

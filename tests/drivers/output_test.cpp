@@ -13,16 +13,22 @@
 #include <string>
 #include <vector>
 
-#include "errors.hpp"
-#include "plot.hpp"
-#include "progress.hpp"
-#include "run_directory.hpp"
-#include "summary.hpp"
-#include "surfaces.hpp"
-#include "trajectory.hpp"
+#include "output/plot.hpp"
+#include "output/run_directory.hpp"
+#include "output/summary.hpp"
+#include "output/surfaces.hpp"
+#include "output/trajectory.hpp"
+#include "run/progress.hpp"
+#include "scenario/errors.hpp"
+#include "scenario/text.hpp"
 
 namespace ductile::drivers {
 namespace {
+
+using suspension::BodySample;
+using suspension::FluidState;
+using suspension::Sample;
+using suspension::SurfaceState;
 
 namespace fs = std::filesystem;
 
@@ -74,13 +80,17 @@ Sample awkward_sample(double time) {
   for (std::size_t b = 0; b < 2; ++b) {
     BodySample& body = sample.bodies[b];
     const auto s = static_cast<double>(b + 1) + time;
-    body.position = {std::sqrt(s), -std::cbrt(s), 1e3 * std::exp(s)};
-    body.velocity = {1e-17 * std::sin(s), std::nextafter(0.1, 1), 1 / (3 * s)};
+    body["x"] = std::sqrt(s);
+    body["y"] = -std::cbrt(s);
+    body["z"] = 1e3 * std::exp(s);
+    body["vx"] = 1e-17 * std::sin(s);
+    body["vy"] = std::nextafter(0.1, 1);
+    body["vz"] = 1 / (3 * s);
     body.capsule = b == 1;
-    body.deformation = std::numeric_limits<double>::denorm_min();
-    body.volume_error = -std::pow(s, -7);
-    body.strain_energy = 0.1 + 0.2;
-    body.slip = 1 / s;
+    body["deformation"] = std::numeric_limits<double>::denorm_min();
+    body["volume_error"] = -std::pow(s, -7);
+    body["strain_energy"] = 0.1 + 0.2;
+    body["slip"] = 1 / s;
   }
   return sample;
 }
@@ -108,15 +118,14 @@ TEST_F(TrajectoryFile, ReadsBackBitForBit) {
     const Sample& s = samples[i];
     std::vector<double> expected = {s.time};
     for (const auto& body : s.bodies) {
-      expected.insert(expected.end(), body.position.begin(), body.position.end());
-      expected.insert(expected.end(), body.velocity.begin(), body.velocity.end());
+      for (const char* name : {"x", "y", "z", "vx", "vy", "vz"}) expected.push_back(body[name]);
     }
-    expected.push_back(s.bodies[0].position.z() - s.bodies[1].position.z());
-    expected.push_back(s.bodies[0].slip);
-    expected.push_back(s.bodies[1].deformation);
-    expected.push_back(s.bodies[1].volume_error);
-    expected.push_back(s.bodies[1].strain_energy);
-    expected.push_back(s.bodies[1].slip);
+    expected.push_back(s.bodies[0]["z"] - s.bodies[1]["z"]);
+    expected.push_back(s.bodies[0]["slip"]);
+    expected.push_back(s.bodies[1]["deformation"]);
+    expected.push_back(s.bodies[1]["volume_error"]);
+    expected.push_back(s.bodies[1]["strain_energy"]);
+    expected.push_back(s.bodies[1]["slip"]);
     const auto fields = split(lines[i + 1], ',');
     ASSERT_EQ(fields.size(), expected.size());
     for (std::size_t j = 0; j < fields.size(); ++j) {
@@ -233,8 +242,12 @@ class SurfaceFiles : public Output {
   /// Three frames, the fluid in the first and the last.
   void write_frames(Surfaces& surfaces) const {
     const auto density = field(0);
-    const std::array velocity = {field(1), field(2), field(3)};
-    const FluidState fluid{density, {velocity[0], velocity[1], velocity[2]}};
+    std::vector<double> velocity;
+    for (std::size_t c = 1; c <= 3; ++c) {
+      const auto component = field(c);
+      velocity.insert(velocity.end(), component.begin(), component.end());
+    }
+    const FluidState fluid{density, velocity};
     for (int i = 0; i < 3; ++i) {
       const double z = 11.9 + i;
       const auto lead = row(4, z);
@@ -565,6 +578,7 @@ TEST(Duration, ReadsWell) {
   EXPECT_EQ(duration_text(59.6), "1 min 00 s");
   EXPECT_EQ(duration_text(200), "3 min 20 s");
   EXPECT_EQ(duration_text(7500), "2 h 05 min");
+  EXPECT_EQ(duration_text(270000), "3.1 days");
 }
 
 class Plot : public Output {
@@ -576,7 +590,8 @@ class Plot : public Output {
     for (int i = 0; i <= 20; ++i) {
       Sample sample{0.5 * i, std::vector<BodySample>(bodies)};
       for (std::size_t b = 0; b < bodies; ++b) {
-        sample.bodies[b].position = {0.1 * static_cast<double>(b) + 0.01 * i, 0, 0.1 * i};
+        sample.bodies[b]["x"] = 0.1 * static_cast<double>(b) + 0.01 * i;
+        sample.bodies[b]["z"] = 0.1 * i;
         sample.bodies[b].capsule = capsules;
       }
       trajectory.write(sample);

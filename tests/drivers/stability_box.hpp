@@ -5,27 +5,26 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <string>
 
-#include "adapters.hpp"
+#include "analysis/stability.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/membrane/capsule.hpp"
 #include "ductile/surface/biconcave.hpp"
 #include "ductile/surface/mesh.hpp"
-#include "stability.hpp"
+#include "ductile/surface/shape.hpp"
+#include "ductile/suspension/markers.hpp"
 
 namespace ductile::test {
 
 inline surface::Mesh rest_shape(const drivers::StabilityProblem& p) {
-  return p.shape == drivers::BodyShape::biconcave ? surface::Biconcave(p.radius).mesh(p.frequency)
-                                                  : surface::icosphere(p.frequency, p.radius);
+  return surface::make_shape(p.shape, p.radius)->mesh(p.frequency);
 }
 
 /// Whether a capsule with `scale` times the problem's moduli fails: one that drifts with a uniform
 /// flow, its vertices off by 1e-5 at random. It fails if the elastic energy of the disturbance
 /// grows a millionfold, or doubles in the second half of the run and is not down to round-off.
-inline bool fails_in_box(const drivers::StabilityProblem& p, const std::string& integrator,
+inline bool fails_in_box(const drivers::StabilityProblem& p, const membrane::Scheme& scheme,
                          double scale, int steps) {
   const surface::Mesh reference = rest_shape(p);
   double reach = 0;
@@ -55,12 +54,13 @@ inline bool fails_in_box(const drivers::StabilityProblem& p, const std::string& 
   membrane::CapsuleOptions capsule_options;
   capsule_options.mobility = p.mobility;
   capsule_options.viscosity = fluid.viscosity();
-  capsule_options.integrator = membrane::make_integrator(integrator);
+  capsule_options.integrator = membrane::make_integrator(scheme);
   membrane::Capsule capsule(reference, mesh.vertices, moduli, capsule_options);
-  drivers::CapsuleMarkers markers(capsule);
+  suspension::CapsuleMarkers markers(capsule);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
 
-  // Of a mode that swings the elastic energy passes through zero: the largest of a few swings.
+  // The elastic energy of a mode that swings passes through zero: the largest of a few swings
+  // counts.
   constexpr int window = 25;
   const double start = capsule.energies().total();
   double half_way = 0;

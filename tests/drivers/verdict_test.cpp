@@ -1,4 +1,4 @@
-#include "verdict.hpp"
+#include "analysis/verdict.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,9 @@
 
 namespace ductile::drivers {
 namespace {
+
+using suspension::BodySample;
+using suspension::Sample;
 
 constexpr double pi = std::numbers::pi;
 
@@ -247,10 +250,10 @@ TEST(PairJudge, RefusesBrokenSeries) {
 TEST(PairJudge, TakesTheFirstBodyAsTheLeadingOne) {
   PairJudge judge(3);
   Sample sample{0, std::vector<BodySample>(2)};
-  sample.bodies[0].position.z() = 1;
+  sample.bodies[0]["z"] = 1;
   judge.update(sample);
   sample.time = 1;
-  sample.bodies[1].position.z() = 5;
+  sample.bodies[1]["z"] = 5;
   judge.update(sample);
   EXPECT_EQ(judge.verdict().pair_class, PairClass::unstable);
   EXPECT_NE(judge.verdict().reason.find("has passed"), std::string::npos);

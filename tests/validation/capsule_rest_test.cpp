@@ -23,7 +23,7 @@ TEST(PreInflatedCapsule, HoldsThePressureOfItsTension) {
   options.mobility = 0;  // under pressure the mobility would let fluid through
   const auto capsule =
       test::capsule(a, 1.05, moduli, options, Eigen::Vector3d(23.4, 23.7, 24.1), 1.1);
-  drivers::CapsuleMarkers markers(*capsule);
+  suspension::CapsuleMarkers markers(*capsule);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   for (int n = 0; n < 3000; ++n) coupler.step();
 
@@ -54,7 +54,7 @@ TEST(Capsule, AtRestStaysAtRest) {
   options.viscosity = fluid.viscosity();
   const auto capsule = test::capsule(5, 1, moduli, options, Eigen::Vector3d(9.3, 9.6, 9.8), 1.2);
   const std::vector<double> before(capsule->positions().begin(), capsule->positions().end());
-  drivers::CapsuleMarkers markers(*capsule);
+  suspension::CapsuleMarkers markers(*capsule);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   for (int n = 0; n < 500; ++n) coupler.step();
   for (std::size_t n = 0; n < before.size(); ++n) {

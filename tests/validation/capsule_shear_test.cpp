@@ -53,7 +53,7 @@ class Shear {
   double rate_;
   fluid::Fluid fluid_;
   std::unique_ptr<membrane::Capsule> capsule_;
-  std::optional<drivers::CapsuleMarkers> markers_;
+  std::optional<suspension::CapsuleMarkers> markers_;
   std::optional<coupling::Coupler> coupler_;
 };
 

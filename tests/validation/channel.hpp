@@ -3,9 +3,8 @@
 
 #include <string>
 
-#include "assembly.hpp"
-#include "scenario.hpp"
-#include "units.hpp"
+#include "checks/read_case.hpp"
+#include "ductile/suspension/suspension.hpp"
 
 namespace ductile::test {
 
@@ -13,26 +12,23 @@ namespace ductile::test {
 class Channel {
  public:
   explicit Channel(const std::string& toml)
-      : scenario_(drivers::parse_scenario(toml, "test.toml")),
-        setup_(drivers::lattice_setup(scenario_)),
-        assembly_(scenario_, setup_, MPI_COMM_SELF) {}
+      : suspension_(drivers::parse_case(toml, "test.toml").plan, MPI_COMM_SELF) {}
 
   /// Runs until `time`, in W^2/nu. Throws coupling::BodyFailure.
   void run(double time) {
-    while (assembly_.fluid().time() < setup_.steps(time)) assembly_.coupler().step();
+    const std::int64_t end = suspension_.plan().units.lattice_steps(time);
+    while (suspension_.steps() < end) suspension_.step();
   }
-  [[nodiscard]] drivers::BodySample sample(std::size_t body) const {
-    return assembly_.own(body)->sample();
+  [[nodiscard]] suspension::BodySample sample(std::size_t body) const {
+    return suspension::sample(suspension_.own(body)->observe());
   }
   /// [nu/W]
   [[nodiscard]] double largest_velocity() const {
-    return setup_.velocity(Eigen::Vector3d(0, 0, setup_.u_max)).z();
+    return suspension_.plan().units.velocity(suspension_.plan().u_max);
   }
 
  private:
-  drivers::Scenario scenario_;
-  drivers::LatticeSetup setup_;
-  drivers::Assembly assembly_;
+  suspension::Suspension suspension_;
 };
 
 }  // namespace ductile::test

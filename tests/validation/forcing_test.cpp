@@ -50,7 +50,7 @@ rigid::Slip slip(const std::vector<Sphere>& spheres, const Forcing& forcing, dou
     return s;
   });
   std::vector<std::unique_ptr<rigid::Body>> bodies;
-  std::vector<std::unique_ptr<drivers::RigidMarkers>> markers;
+  std::vector<std::unique_ptr<suspension::RigidMarkers>> markers;
   std::vector<coupling::Member> members;
   for (const Sphere& sphere : spheres) {
     rigid::Options body;
@@ -60,7 +60,7 @@ rigid::Slip slip(const std::vector<Sphere>& spheres, const Forcing& forcing, dou
     body.gravity = sphere.gravity;
     bodies.push_back(
         std::make_unique<rigid::Body>(test::sphere(sphere.radius, body, sphere.position, 0)));
-    markers.push_back(std::make_unique<drivers::RigidMarkers>(*bodies.back()));
+    markers.push_back(std::make_unique<suspension::RigidMarkers>(*bodies.back()));
     members.push_back({static_cast<int>(members.size()), markers.back().get()});
   }
   coupling::Coupler coupler(fluid, members, static_cast<int>(members.size()));

@@ -19,9 +19,10 @@ TEST(IntegratorsInAChannel, StiffCapsuleMovesAsTheRigidSphere) {
   test::Channel rigid(channel + "[[body]]\nkind = \"rigid\"\nx = 0.2\n");
   stiff.run(1);
   rigid.run(1);
-  std::printf("x = %.5f, rigid %.5f\n", stiff.sample(0).position.x(), rigid.sample(0).position.x());
-  EXPECT_NEAR(stiff.sample(0).position.x(), rigid.sample(0).position.x(), .002);
-  EXPECT_NEAR(stiff.sample(0).velocity.z(), rigid.sample(0).velocity.z(),
+  std::printf("x = %.5f, rigid %.5f\n", stiff.sample(0).position().x(),
+              rigid.sample(0).position().x());
+  EXPECT_NEAR(stiff.sample(0).position().x(), rigid.sample(0).position().x(), .002);
+  EXPECT_NEAR(stiff.sample(0).velocity().z(), rigid.sample(0).velocity().z(),
               .005 * rigid.largest_velocity());
 }
 
@@ -35,7 +36,7 @@ TEST(IntegratorsInAChannel, ImplicitRunsWhereExplicitBlowsUp) {
   for (const char* integrator : {"semi-implicit", "implicit"}) {
     test::Channel channel(scenario(integrator));
     channel.run(1);
-    EXPECT_LT(std::abs(channel.sample(0).volume_error), 1e-4) << integrator;
+    EXPECT_LT(std::abs(channel.sample(0)["volume_error"]), 1e-4) << integrator;
   }
 }
 

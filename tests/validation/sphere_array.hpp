@@ -30,7 +30,7 @@ inline double drag_coefficient(int L, double radius, double guess, double inward
   rigid::Options held;
   held.motion = rigid::Motion::prescribed;
   rigid::Body body = sphere(radius, held, Eigen::Vector3d::Constant(L / 2.0 + 0.2), inwards);
-  drivers::RigidMarkers markers(body);
+  suspension::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   const auto mean_velocity = [&] { return fluid.totals().momentum.z() / cell; };
   // Dense arrays have less momentum to lose than time to pass it on.

@@ -34,7 +34,7 @@ double axial_velocity(double radius_over_w) {
     return s;
   });
   rigid::Body body = test::sphere(radius_over_w * w, {}, {centre, centre, 1.5 * N});
-  drivers::RigidMarkers markers(body);
+  suspension::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   for (int n = 0; n < 3000; ++n) coupler.step();
   EXPECT_NEAR(body.state().position.x(), centre, 1e-6);
@@ -65,7 +65,7 @@ double wall_resistance(double radius, double gap) {
   rigid::Body body =
       test::sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5}, test::retraction_small);
   body.prescribe({0, 0, -speed}, Eigen::Vector3d::Zero());
-  drivers::RigidMarkers markers(body);
+  suspension::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   for (int n = 0; n < steps; ++n) coupler.step();
   return body.hydrodynamic_force().z() / (6 * pi * fluid.viscosity() * radius * speed);
@@ -96,7 +96,7 @@ TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
   constexpr double diameter = 15e-3;
   rigid::Body body = test::sphere(0.5 * diameter / dx, settling,
                                   {52.5, 52.5, (120e-3 + 0.5 * diameter) / dx - 0.5});
-  drivers::RigidMarkers markers(body);
+  suspension::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
 
   std::vector<std::array<double, 3>> path;  // t [s], h/d, v [m/s]

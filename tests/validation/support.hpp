@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "adapters.hpp"
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/surface/mesh.hpp"
 #include "ductile/surface/sphere.hpp"
+#include "ductile/suspension/markers.hpp"
 
 namespace ductile::test {
 

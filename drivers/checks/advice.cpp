@@ -1,0 +1,166 @@
+#include "checks/advice.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "checks/geometry.hpp"
+#include "checks/speed.hpp"
+#include "scenario/defaults.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+using suspension::Plan;
+
+constexpr double trusted_gap = 4;  // below it the flow in the gap is not resolved
+constexpr double sound_mach = 0.15;
+constexpr double smallest_radius = 4;  // lattice spacings
+
+/// What lowers the largest part of a load.
+std::string_view cure(const StabilityLoad& load) {
+  if (load.volume >= std::max(load.shear, load.bending)) return "lower volume_modulus or fluid.tau";
+  if (load.bending > load.shear) return "raise edge or lower bending, mobility or fluid.tau";
+  return "lower laplace or fluid.tau";
+}
+
+void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
+  if (plan.mach() > sound_mach) {
+    list.push_back(
+        fmt::format("Mach number {:.2f}: errors of compressibility go as its square; "
+                    "more nodes or a lower tau reduce it",
+                    plan.mach()));
+  }
+  for (const Gap& gap : gaps(plan)) {
+    if (gap.to == Gap::To::body && gap.distance < trusted_gap - round_off) {
+      list.push_back(fmt::format(
+          "the gap between {} and {} is {:.1f} lattice spacings, under the {} that resolve the "
+          "flow in it; channel.nodes = {} would do",
+          body_name(plan, gap.body), body_name(plan, gap.other), gap.distance, trusted_gap,
+          nodes_for_gap(plan, gap.distance, trusted_gap)));
+    }
+  }
+}
+
+void warn_of_body(const Plan& plan, std::size_t index, StabilityModels& models,
+                  std::vector<std::string>& list) {
+  const suspension::BodyPlan& body = plan.bodies[index];
+  const std::string name = body_name(plan, index);
+  if (body.shape->radius() < smallest_radius) {
+    list.push_back(
+        fmt::format("the radius of {} is {:.1f} lattice spacings; under {} results are "
+                    "crude",
+                    name, body.shape->radius(), smallest_radius));
+  }
+  const suspension::CapsulePlan* capsule = body.capsule();
+  if (capsule == nullptr) return;
+  const double edge = surface::icosphere_edge(body.shape->radius(), body.frequency);
+  if (capsule->mobility == 0 && edge < 1) {
+    list.push_back(
+        fmt::format("{} has edges of {:.2f} lattice spacings and no mobility: strain "
+                    "that the lattice cannot see will pile up; watch its strain energy",
+                    name, edge));
+  }
+  const membrane::SchemeTraits& traits = capsule->integrator.traits;
+  if (traits.weights.empty() && std::isinf(traits.reach)) return;  // no model need be measured
+  const std::string warning = stability_warning(capsule->integrator, models[index]);
+  if (!warning.empty()) list.push_back(name + " is at " + warning);
+}
+
+}  // namespace
+
+std::string size_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6)
+                     : fmt::format("{:.2f} GB", bytes / 1e9);
+}
+
+std::string percentages(const StabilityLoad& load, std::string_view integrator) {
+  return fmt::format("{:.0f}% of the limit of {} (shear {:.0f}%, bending {:.0f}%, volume {:.0f}%)",
+                     100 * load.total, integrator, 100 * load.shear, 100 * load.bending,
+                     100 * load.volume);
+}
+
+std::string judgement(const membrane::Scheme& scheme, const StabilityModel& model) {
+  const membrane::Scheme& advised = advised_scheme(model);
+  if (scheme.name == advised.name) return "the cheapest that is stable here";
+  if (!relied_on(scheme, model)) {
+    std::string_view said = "not tried at such stiffness";
+    if (!scheme.traits.weights.empty()) {
+      said =
+          model.load(scheme.traits.weights).total > 1 ? "unstable here" : "too near to its limit";
+    }
+    return fmt::format("{}; take {}", said, advised.name);
+  }
+  return scheme.traits.cost > advised.traits.cost
+             ? fmt::format("stable here, but {} is too and costs less", advised.name)
+             : fmt::format("stable here, as {} is", advised.name);
+}
+
+std::string stability_warning(const membrane::Scheme& scheme, const StabilityModel& model) {
+  if (relied_on(scheme, model)) return "";
+  const bool has_weights = !scheme.traits.weights.empty();
+  const StabilityLoad load =
+      model.load((has_weights ? scheme : membrane::reference_scheme()).traits.weights);
+  const std::string where = !has_weights
+                                ? fmt::format("beyond the {:g} times up to which {} is relied on",
+                                              scheme.traits.reach, scheme.name)
+                                : (load.total > 1 ? "where it is unstable" : "too near to rely on");
+  return fmt::format("{}, {}: take membrane.integrator = \"{}\", or {}",
+                     percentages(load, (has_weights ? scheme : membrane::reference_scheme()).name),
+                     where, advised_scheme(model).name, cure(load));
+}
+
+std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
+  const Plan& plan = given.plan;
+  std::vector<std::string> list;
+  warn_of_flow(plan, list);
+  for (std::size_t i = 0; i < plan.bodies.size(); ++i) warn_of_body(plan, i, models, list);
+  const double installed =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (population_bytes(plan) > installed) {
+    list.push_back(fmt::format("the fluid needs {} of memory, this machine has {}",
+                               size_text(population_bytes(plan)), size_text(installed)));
+  }
+  return list;
+}
+
+std::vector<std::string> warnings(const Case& given) {
+  StabilityModels models(given.plan);
+  return warnings(given, models);
+}
+
+std::vector<std::string> notes(const Case& given) {
+  const auto& [scenario, plan, schedule] = given;
+  std::vector<std::string> list;
+  const auto rounded = [&list](std::string_view key, double wanted, double is) {
+    if (std::abs(is - wanted) > round_off)
+      list.push_back(fmt::format("{} = {} is {:.6g} in whole nodes", key, wanted, is));
+  };
+  rounded("channel.half_width_y", scenario.channel.half_width_y,
+          plan.units.length(plan.half_width_y()));
+  rounded("channel.length", scenario.channel.length, plan.units.length(plan.length()));
+  std::vector<std::pair<double, std::string>> reduced;  // volume modulus, and who has it
+  for (const BodyOptions& body : scenario.bodies) {
+    const double k_v = body.membrane.volume_modulus;
+    if (body.kind == BodyKind::rigid || k_v >= paper_volume_modulus) continue;
+    const auto same = std::ranges::find(reduced, k_v, &std::pair<double, std::string>::first);
+    if (same == reduced.end()) {
+      reduced.emplace_back(k_v, body.name);
+    } else {
+      same->second += ", " + body.name;
+    }
+  }
+  for (const auto& [k_v, names] : reduced) {
+    list.push_back(fmt::format(
+        "volume_modulus of {} is {:g} rho nu^2/W^2 ({:.2g} in lattice units), not the paper's "
+        "{:g} ({:.2g}): see the volume error",
+        names, k_v, plan.units.lattice_pressure(k_v), paper_volume_modulus,
+        plan.units.lattice_pressure(paper_volume_modulus)));
+  }
+  return list;
+}
+
+}  // namespace ductile::drivers

@@ -1,0 +1,140 @@
+#include "checks/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "analysis/stability.hpp"
+#include "checks/advice.hpp"
+#include "checks/geometry.hpp"
+#include "scenario/text.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+/// Lines of a label and a content; a line without a label goes on with the one before.
+class Lines {
+ public:
+  void add(std::string_view label, const std::string& content) {
+    text_ += fmt::format("{:<10} {}\n", label, content);
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+void add_channel(Lines& lines, const Case& given) {
+  const auto& [scenario, plan, schedule] = given;
+  const ChannelOptions& channel = scenario.channel;
+  const auto& nodes = plan.fluid.nodes;
+  lines.add("scenario", fmt::format("{}, {} {}", scenario.name, scenario.bodies.size(),
+                                    scenario.bodies.size() == 1 ? "body" : "bodies"));
+  lines.add("lattice",
+            fmt::format("{} x {} x {} = {} nodes{}, {}, W = {} dx", nodes[0], nodes[1], nodes[2],
+                        plan.node_count(),
+                        channel.symmetry == Symmetry::y ? " at y >= 0, half of the channel" : "",
+                        channel.walls == fluid::Boundary::halfway ? "half-way walls"
+                                                                  : "regularized walls on nodes",
+                        plan.units.half_width()));
+  lines.add("",
+            fmt::format("half-width along y {:.6g} W, length {:.6g} W",
+                        plan.units.length(plan.half_width_y()), plan.units.length(plan.length())));
+  lines.add(
+      "fluid",
+      fmt::format("tau = {}, nu = {:.6g}, {}, populations in {} precision", plan.fluid.tau,
+                  plan.units.viscosity(),
+                  plan.fluid.collision == fluid::Collision::bgk ? "bgk" : "trt",
+                  plan.fluid.storage == fluid::Storage::double_precision ? "double" : "single"));
+  lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
+                                channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
+  lines.add("time",
+            fmt::format("{:.6g} steps per W^2/nu, {} steps until t = {}",
+                        plan.units.steps_per_time(), schedule.end, scenario.run.time_limit));
+}
+
+void add_capsule(Lines& lines, const BodyOptions& options, const suspension::CapsulePlan& capsule,
+                 const StabilityModel& model) {
+  const membrane::Moduli& moduli = capsule.moduli;
+  lines.add("", fmt::format("La = {}; in lattice units k_s = {:.4g}, k_a = {:.4g}, k_b = {:.4g}, "
+                            "k_v = {:.4g}",
+                            options.laplace, moduli.k_s, moduli.k_a, moduli.k_b, moduli.k_v));
+  const membrane::Scheme& euler = membrane::reference_scheme();
+  const membrane::Scheme& scheme = capsule.integrator;
+  lines.add("", "stability: " + percentages(model.load(euler.traits.weights), euler.name));
+  if (scheme.name != euler.name && !scheme.traits.weights.empty())
+    lines.add("", "stability: " + percentages(model.load(scheme.traits.weights), scheme.name));
+  lines.add("", fmt::format("integrator {}: {}", scheme.name, judgement(scheme, model)));
+}
+
+void add_bodies(Lines& lines, const Case& given, StabilityModels& models) {
+  for (std::size_t i = 0; i < given.plan.bodies.size(); ++i) {
+    const BodyOptions& options = given.scenario.bodies[i];
+    const suspension::BodyPlan& body = given.plan.bodies[i];
+    const double radius = body.shape->radius();
+    const bool sphere = options.shape == "sphere";
+    const std::string kind = body.capsule() == nullptr
+                                 ? "rigid " + options.shape
+                                 : (sphere ? "" : options.shape + " ") + "capsule";
+    lines.add("body", fmt::format("{}: {}, a = {:.4g} dx, at ({}, {}, {}) W", body.name, kind,
+                                  radius, options.x, options.y, options.z));
+    lines.add("", fmt::format("mesh of {} triangles, mean edge of its sphere {:.3g} dx",
+                              surface::triangle_count(body.frequency),
+                              surface::icosphere_edge(radius, body.frequency)));
+    if (const auto* rigid = body.rigid()) {
+      lines.add("", fmt::format("density ratio {}, {} forcing iterations, memory {}",
+                                rigid->density_ratio, rigid->corrections, rigid->memory));
+    } else {
+      add_capsule(lines, options, *body.capsule(), models[i]);
+    }
+  }
+}
+
+void add_gaps(Lines& lines, const suspension::Plan& plan) {
+  const std::vector<Gap> all = gaps(plan);
+  for (const Gap::To to : {Gap::To::wall, Gap::To::body}) {
+    const Gap* smallest = nullptr;
+    for (const Gap& gap : all) {
+      if (gap.to == to && (smallest == nullptr || gap.distance < smallest->distance))
+        smallest = &gap;
+    }
+    if (smallest == nullptr) continue;
+    const bool wall = to == Gap::To::wall;
+    lines.add("gap",
+              fmt::format("{:.4g} dx from {} to {}, the smallest to a {}", smallest->distance,
+                          body_name(plan, smallest->body),
+                          wall ? wall_name(plan, *smallest) : body_name(plan, smallest->other),
+                          wall ? "wall" : "body"));
+  }
+}
+
+void add_cost(Lines& lines, const Case& given, int cores, const std::optional<KnownSpeed>& known) {
+  lines.add("memory", size_text(population_bytes(given.plan)) + " of populations");
+  if (known) cores = std::min(cores, known->ranks);  // more were not measured
+  const double speed = expected_speed(given.plan, cores, known);
+  lines.add("duration",
+            fmt::format("about {} until the time limit on {} core{}, at {:.0f} million updates a "
+                        "second, {}",
+                        duration_text(std::max(1.0, estimated_seconds(given, speed))), cores,
+                        cores == 1 ? "" : "s", speed / 1e6,
+                        known ? "as `ductile bench` has found here"
+                              : "a guess: run `ductile bench` once for a better one"));
+}
+
+}  // namespace
+
+std::string report(const Case& given, int cores, const std::optional<KnownSpeed>& known) {
+  StabilityModels models(given.plan);
+  Lines lines;
+  add_channel(lines, given);
+  add_bodies(lines, given, models);
+  add_gaps(lines, given.plan);
+  add_cost(lines, given, cores, known);
+  for (const std::string& note : notes(given)) lines.add("note", note);
+  for (const std::string& warning : warnings(given, models)) lines.add("warning", warning);
+  return lines.text();
+}
+
+}  // namespace ductile::drivers

@@ -1,0 +1,322 @@
+#include "commands/bench_measure.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "checks/read_case.hpp"
+#include "ductile/fluid/bench.hpp"
+#include "ductile/fluid/d3q19.hpp"
+#include "ductile/fluid/fluid.hpp"
+#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/fluid/mpi.hpp"
+#include "ductile/suspension/suspension.hpp"
+#include "output/json.hpp"
+#include "scenario/errors.hpp"
+#include "scenario/pairs.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+using fluid::mpi_check;
+
+constexpr double seconds_a_repeat = 0.15;  // at least, of each measurement
+constexpr int populations = fluid::d3q19::Q;
+
+// The paper's pair M2 with a mesh of 20480 triangles at 90 nodes.
+suspension::Plan pair(int nodes, fluid::Storage storage) {
+  std::string_view text;
+  for (const auto& [name, scenario] : pair_scenarios()) {
+    if (name == "M2") text = scenario;
+  }
+  const auto set = [](std::string key, std::string value) {
+    return Override{std::move(key), std::move(value), "bench"};
+  };
+  return parse_case(text, "M2.toml",
+                    {set("channel.nodes", fmt::format("{}", nodes)), set("membrane.edge", "0.68"),
+                     set("body.lag.x", "-0.2"),
+                     set("fluid.storage",
+                         storage == fluid::Storage::single_precision ? "single" : "double")})
+      .plan;
+}
+
+fluid::Options channel(int nodes, fluid::Storage storage, fluid::Boundary walls) {
+  fluid::Options options;
+  options.nodes = {nodes, nodes, 6 * nodes};
+  options.boundary = {walls, walls, fluid::Boundary::periodic};
+  options.tau = 0.9;
+  options.force = {0, 0, 1e-6};
+  options.storage = storage;
+  return options;
+}
+
+// Two boxes as large as those around the pair's capsules.
+std::array<fluid::Box, 2> boxes(int nodes) {
+  const int across = nodes * 2 / 5 + 6;
+  const int begin = (nodes - across) / 2;
+  const fluid::Range range = {begin, begin + across};
+  const int along = (across + 7) / 8 * 8;
+  return {fluid::Box{range, range, {2 * nodes, 2 * nodes + along}},
+          fluid::Box{range, range, {3 * nodes, 3 * nodes + along}}};
+}
+
+// Times things on some of the ranks while the others wait.
+class Bench {
+ public:
+  Bench(const BenchOptions& options, MPI_Comm comm) : options_(options), comm_(comm) {
+    mpi_check(MPI_Comm_rank(comm, &rank_), "MPI_Comm_rank");
+    mpi_check(MPI_Comm_size(comm, &ranks_), "MPI_Comm_size");
+  }
+
+  BenchTable run(fluid::Storage storage);
+
+ private:
+  [[nodiscard]] double node_count() const { return 6 * std::pow(options_.nodes, 3); }
+  // Seconds for `steps` calls of f, the same on all ranks.
+  double seconds(int steps, const std::function<void()>& f) const {
+    mpi_check(MPI_Barrier(comm_), "MPI_Barrier");
+    double time = MPI_Wtime();
+    for (int n = 0; n < steps; ++n) f();
+    mpi_check(MPI_Barrier(comm_), "MPI_Barrier");
+    time = MPI_Wtime() - time;
+    mpi_check(MPI_Bcast(&time, 1, MPI_DOUBLE, 0, comm_), "MPI_Bcast");
+    return time;
+  }
+  // An even number, so that each state of the populations is met as often.
+  [[nodiscard]] int enough_steps(const std::function<void()>& f) const {
+    const double one = seconds(2, f) / 2;
+    return 2 * std::max(1, static_cast<int>(std::ceil(0.5 * seconds_a_repeat / one)));
+  }
+  [[nodiscard]] double speed(int steps, const std::function<void()>& f) const {
+    return node_count() * steps / seconds(steps, f);
+  }
+  struct Reference {
+    std::string name;
+    std::function<void()> step;
+  };
+  void row(BenchTable& table, const std::string& name, int ranks, const std::function<void()>& step,
+           const std::function<void()>& ceiling, const Reference& reference = {}) const;
+
+  BenchOptions options_;
+  MPI_Comm comm_;
+  int rank_ = 0;
+  int ranks_ = 1;
+};
+
+void Bench::row(BenchTable& table, const std::string& name, int ranks,
+                const std::function<void()>& step, const std::function<void()>& ceiling,
+                const Reference& reference) const {
+  BenchRow row{name, ranks, {}, {}, reference.name, {}};
+  const int ceiling_steps = enough_steps(ceiling);
+  const int reference_steps = reference.step ? enough_steps(reference.step) : 0;
+  const int steps = enough_steps(step);
+  for (int n = 0; n < options_.repeats; ++n) {
+    const double highest = speed(ceiling_steps, ceiling);
+    const double compared = reference.step ? speed(reference_steps, reference.step) : 0;
+    row.updates.push_back(speed(steps, step));
+    row.fraction.push_back(row.updates.back() / highest);
+    if (reference.step) row.relative.push_back(row.updates.back() / compared);
+    table.ceiling.push_back(highest);
+  }
+  table.rows.push_back(std::move(row));
+}
+
+BenchTable Bench::run(fluid::Storage storage) {
+  BenchTable table;
+  table.single_precision = storage == fluid::Storage::single_precision;
+  fluid::Fluid streamed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+  const auto ceiling = [&] { fluid::stream_only(streamed); };
+  {
+    fluid::Fluid walls(comm_, channel(options_.nodes, storage, fluid::Boundary::regularized));
+    row(
+        table, "fluid, walls on nodes", ranks_, [&] { walls.step(); }, ceiling);
+  }
+  fluid::Fluid fluid(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+  const Reference alone{"the fluid alone", [&] { fluid.step(); }};
+  row(table, "fluid, half-way walls", ranks_, alone.step, ceiling);
+  // Rows for one rank, which works while the others wait, are compared with this.
+  const std::string all_ranks = fmt::format("{} ranks", ranks_);
+  if (ranks_ > 1) {
+    std::optional<fluid::Fluid> one;
+    if (rank_ == 0) {
+      one.emplace(MPI_COMM_SELF, channel(options_.nodes, storage, fluid::Boundary::halfway));
+    }
+    row(table, "fluid, half-way walls", 1,
+        [&] {
+          if (one) one->step();
+        },
+        ceiling, {all_ranks, alone.step});
+  }
+  {
+    fluid::Fluid boxed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+    boxed.place_boxes(boxes(options_.nodes));
+    row(
+        table, "fluid, forces in two boxes", ranks_, [&] { boxed.step(); }, ceiling, alone);
+  }
+  const suspension::Plan plan = pair(options_.nodes, storage);
+  suspension::Suspension all(plan, comm_);
+  all.step();
+  all.reset_profile();
+  row(
+      table, "two capsules", ranks_, [&] { all.step(); }, ceiling, alone);
+  const coupling::Profile& profile = all.profile();
+  table.coupled = gathered(profile, profile.total(), comm_).value_or(RunProfile{});
+  if (ranks_ > 1) {
+    std::optional<suspension::Suspension> one;
+    if (rank_ == 0) one.emplace(plan, MPI_COMM_SELF);
+    row(table, "two capsules", 1,
+        [&] {
+          if (one) one->step();
+        },
+        ceiling, {all_ranks, [&] { all.step(); }});
+  }
+  return table;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+const BenchRow& find(const BenchTable& table, std::string_view name, int ranks) {
+  return *std::find_if(table.rows.begin(), table.rows.end(),
+                       [&](const BenchRow& row) { return row.name == name && row.ranks == ranks; });
+}
+
+}  // namespace
+
+BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
+  int ranks = 1;
+  mpi_check(MPI_Comm_size(comm, &ranks), "MPI_Comm_size");
+  if (ranks > 6 * options.nodes) {
+    throw InputError(fmt::format("--nodes {}: {} ranks cannot share {} planes of nodes: use fewer",
+                                 options.nodes, ranks, 6 * options.nodes));
+  }
+  // The ceiling's, the reference and what is measured, and a little more; with several ranks also
+  // the one that a rank has to itself.
+  const double fluids = ranks > 1 ? 4.4 : 3.3;
+  const double bytes = fluids * populations * sizeof(double) * 6 * std::pow(options.nodes, 3);
+  double memory =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  mpi_check(MPI_Bcast(&memory, 1, MPI_DOUBLE, 0, comm), "MPI_Bcast");
+  if (bytes > 0.9 * memory) {
+    throw InputError(fmt::format(
+        "--nodes {}: the fluids of {} x {} x {} nodes take {:.1f} GB, this machine has "
+        "{:.1f}: give fewer nodes",
+        options.nodes, options.nodes, options.nodes, 6 * options.nodes, bytes / 1e9, memory / 1e9));
+  }
+  BenchResult result;
+  result.nodes = {options.nodes, options.nodes, 6 * options.nodes};
+  result.ranks = ranks;
+  result.cores = static_cast<int>(std::thread::hardware_concurrency());
+  result.instruction_set = fluid::name(fluid::best_instruction_set());
+  const suspension::Plan plan = pair(options.nodes, fluid::Storage::double_precision);
+  result.triangles = static_cast<int>(surface::triangle_count(plan.bodies.front().frequency));
+  Bench bench(options, comm);
+  for (const auto storage : {fluid::Storage::double_precision, fluid::Storage::single_precision}) {
+    result.tables.push_back(bench.run(storage));
+  }
+  return result;
+}
+
+std::string table(const BenchResult& result) {
+  std::string text = fmt::format(
+      "{} x {} x {} nodes, {} rank{} on {} core{}, fluid kernel for {}, capsules of {} triangles\n"
+      "speeds in million updates a second and shares of the ceiling (the fluid's loads and stores\n"
+      "without its arithmetic): medians of {} repeats, each in turn with what it is compared "
+      "with\n",
+      result.nodes[0], result.nodes[1], result.nodes[2], result.ranks, result.ranks == 1 ? "" : "s",
+      result.cores, result.cores == 1 ? "" : "s", result.instruction_set, result.triangles,
+      result.tables.front().rows.front().updates.size());
+  for (const BenchTable& t : result.tables) {
+    const double bytes = 2 * populations * (t.single_precision ? 4 : 8);
+    const double ceiling = median(t.ceiling);
+    text += fmt::format("\n{:<34} {:>5} {:>8} {:>8}\n",
+                        t.single_precision ? "single precision" : "double precision", "ranks",
+                        "speed", "ceiling");
+    text += fmt::format("{:<34} {:>5} {:>8.1f} {:>8}   {:.1f} GB/s\n", "ceiling", result.ranks,
+                        ceiling / 1e6, "", ceiling * bytes / 1e9);
+    for (const BenchRow& row : t.rows) {
+      text += fmt::format("{:<34} {:>5} {:>8.1f} {:>7.1f}%", row.name, row.ranks,
+                          median(row.updates) / 1e6, 100 * median(row.fraction));
+      if (!row.relative.empty() && row.ranks == result.ranks) {
+        text += fmt::format("   {:.1f}% of {}", 100 * median(row.relative), row.reference);
+      } else if (!row.relative.empty()) {
+        text +=
+            fmt::format("   {} are {:.2f} times as fast", row.reference, 1 / median(row.relative));
+      }
+      text += '\n';
+    }
+  }
+  for (const BenchTable& t : result.tables) {
+    text += fmt::format("\nthe step with two capsules, {} precision:\n{}",
+                        t.single_precision ? "single" : "double", table(t.coupled));
+  }
+  return text;
+}
+
+std::string json(const BenchResult& result) {
+  Json json;
+  json.open('{');
+  json.open('[', "nodes");
+  for (const int n : result.nodes) json.add("", n);
+  json.close(']');
+  json.add("ranks", result.ranks);
+  json.add("cores", result.cores);
+  json.add("kernel", result.instruction_set);
+  json.add("triangles", result.triangles);
+  json.open('[', "tables");
+  for (const BenchTable& t : result.tables) {
+    json.open('{');
+    json.add("storage", t.single_precision ? "single" : "double");
+    json.add("ceiling", std::span<const double>(t.ceiling));
+    json.open('[', "rows");
+    for (const BenchRow& row : t.rows) {
+      json.open('{');
+      json.add("name", row.name);
+      json.add("ranks", row.ranks);
+      json.add("updates_per_second", std::span<const double>(row.updates));
+      json.add("fraction_of_ceiling", std::span<const double>(row.fraction));
+      json.add("median_fraction", median(row.fraction));
+      if (!row.relative.empty()) {
+        json.add("reference", row.reference);
+        json.add("fraction_of_reference", std::span<const double>(row.relative));
+        json.add("median_of_reference", median(row.relative));
+      }
+      json.close('}');
+    }
+    json.close(']');
+    json.open('{', "two_capsules");
+    add_profile(json, t.coupled);
+    json.close('}');
+    json.close('}');
+  }
+  json.close(']');
+  json.close('}');
+  return json.text();
+}
+
+bool is_representative(const BenchResult& result) {
+  return result.nodes[0] == BenchOptions{}.nodes && result.ranks <= result.cores;
+}
+
+KnownSpeed speed_of(const BenchResult& result) {
+  KnownSpeed speed;
+  speed.ranks = result.ranks;
+  for (const BenchTable& table : result.tables) {
+    const double updates = median(find(table, "two capsules", result.ranks).updates);
+    (table.single_precision ? speed.single_precision : speed.double_precision) = updates;
+  }
+  return speed;
+}
+
+}  // namespace ductile::drivers

@@ -1,0 +1,38 @@
+// What the program can be told to do: one file a command, which holds its options and its
+// execution.
+#pragma once
+
+#include <mpi.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace ductile::drivers {
+
+/// What to draw when MPI is down: directories, filled on rank 0.
+struct Pictures {
+  std::vector<std::filesystem::path> trajectories;
+  std::vector<std::filesystem::path> comparisons;
+};
+
+class Command {
+ public:
+  Command() = default;
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+  virtual ~Command() = default;
+
+  /// Adds the subcommand with its options, which are then members of this object. All ranks parse
+  /// the same arguments; files are rank 0's to read.
+  virtual CLI::App* declare(CLI::App& program) = 0;
+  /// Does it; the exit code is the same on all ranks. Collective.
+  virtual int execute(MPI_Comm comm, Pictures& pictures) = 0;
+};
+
+/// Those of the program, in the order in which its help lists them: program.cpp has one line for
+/// each.
+std::vector<std::unique_ptr<Command>> all_commands();
+
+}  // namespace ductile::drivers

@@ -1,0 +1,66 @@
+#include "commands/input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "checks/advice.hpp"
+#include "checks/read_case.hpp"
+#include "ductile/fluid/mpi.hpp"
+#include "run/exit_code.hpp"
+#include "run/root.hpp"
+#include "scenario/errors.hpp"
+
+namespace ductile::drivers {
+
+void advise(const std::vector<std::pair<std::string, Case>>& cases) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> lines;
+  for (const auto& [name, given] : cases) {
+    std::vector<std::string> said;
+    for (const std::string& note : notes(given)) said.push_back("note: " + note);
+    for (const std::string& warning : warnings(given)) said.push_back("warning: " + warning);
+    for (const std::string& line : said) {
+      auto known = std::find_if(lines.begin(), lines.end(),
+                                [&line](const auto& entry) { return entry.first == line; });
+      if (known == lines.end()) known = lines.insert(lines.end(), {line, {}});
+      known->second.push_back(name);
+    }
+  }
+  for (const auto& [line, names] : lines) {
+    const std::string about =
+        names.size() == cases.size() ? "" : fmt::format(" (of {})", fmt::join(names, ", "));
+    fmt::print(stderr, "{}{}\n", line, about);
+  }
+}
+
+int with_input(MPI_Comm comm, const std::function<void()>& work) {
+  return on_root(comm, exit_failure, [&]() -> int {
+    try {
+      work();
+      return exit_success;
+    } catch (const InputError& error) {
+      fmt::print(stderr, "{}\n", error.what());
+      return exit_bad_input;
+    }
+  });
+}
+
+Case shared_case(std::string& scenario, MPI_Comm comm) {
+  broadcast(scenario, comm);
+  return parse_case(scenario, "scenario.toml");
+}
+
+bool enough_planes(const Case& given, MPI_Comm comm) {
+  int ranks = 1;
+  fluid::mpi_check(MPI_Comm_size(comm, &ranks), "MPI_Comm_size");
+  const int planes = given.plan.fluid.nodes[2];
+  if (ranks <= planes) return true;
+  if (rank_in(comm) == 0) {
+    fmt::print(stderr, "ductile: {} ranks cannot share {} planes of nodes: use fewer ranks\n",
+               ranks, planes);
+  }
+  return false;
+}
+
+}  // namespace ductile::drivers

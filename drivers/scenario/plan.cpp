@@ -1,0 +1,95 @@
+#include "scenario/plan.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace ductile::drivers {
+namespace {
+
+using suspension::Units;
+
+suspension::CapsulePlan capsule_plan(const BodyOptions& body, double radius, const Units& units) {
+  suspension::CapsulePlan plan;
+  membrane::Moduli& moduli = plan.moduli;
+  moduli.law = body.membrane.law;
+  moduli.k_s = units.lattice_shear_modulus(body.laplace, radius);
+  moduli.k_a = body.membrane.area_ratio * moduli.k_s;
+  moduli.k_b = body.membrane.bending * moduli.k_s * radius * radius;
+  moduli.k_v = units.lattice_pressure(body.membrane.volume_modulus);
+  plan.mobility = body.membrane.mobility;
+  plan.integrator = membrane::find_scheme(body.membrane.integrator);
+  plan.integrator_options = {body.membrane.theta, body.membrane.substeps, body.membrane.step_cuts};
+  return plan;
+}
+
+suspension::BodyPlan body_plan(const BodyOptions& body, const Units& units) {
+  suspension::BodyPlan plan;
+  plan.name = body.name;
+  const double radius = units.lattice_length(body.radius);
+  plan.shape = surface::make_shape(body.shape, radius);
+  plan.centre = units.lattice_position({body.x, body.y, body.z});
+  plan.rotation = Eigen::AngleAxisd(body.rotation_angle * std::numbers::pi / 180,
+                                    Eigen::Vector3d(body.rotation_axis.data()).normalized())
+                      .toRotationMatrix();
+  const bool capsule = body.kind == BodyKind::capsule;
+  const int frequency = capsule ? body.membrane.frequency : body.rigid.frequency;
+  const double edge = capsule ? body.membrane.edge : body.rigid.edge;
+  // A body that cannot fit is refused later, without the cost of its mesh.
+  const double meshed = std::min(radius, units.half_width());
+  plan.frequency = frequency > 0 ? frequency : surface::frequency_for_edge(meshed, edge);
+  if (capsule) {
+    plan.kind = capsule_plan(body, radius, units);
+  } else {
+    plan.kind = suspension::RigidPlan{body.density_ratio, body.rigid.iterations, body.rigid.memory,
+                                      body.rigid.retraction};
+  }
+  return plan;
+}
+
+fluid::Options fluid_options(const ChannelOptions& channel, const FluidOptions& options) {
+  const double W = suspension::half_width(channel.nodes, channel.walls);
+  const bool on_nodes = channel.walls == fluid::Boundary::regularized && channel.side_walls;
+  const int width_y = static_cast<int>(std::lround(2 * W * channel.half_width_y));
+  fluid::Options fluid;
+  fluid.nodes = {channel.nodes, width_y + (on_nodes ? 1 : 0),
+                 static_cast<int>(std::lround(channel.length * W))};
+  if (channel.symmetry == Symmetry::y) {
+    fluid.mirror = fluid.nodes[1] % 2 == 0 ? fluid::Mirror::between_nodes : fluid::Mirror::on_node;
+    fluid.nodes[1] = (fluid.nodes[1] + 1) / 2;
+  }
+  fluid.boundary = {channel.walls, channel.side_walls ? channel.walls : fluid::Boundary::periodic,
+                    fluid::Boundary::periodic};
+  fluid.tau = options.tau;
+  fluid.collision = options.collision;
+  fluid.magic = options.magic;
+  fluid.storage = options.storage;
+  return fluid;
+}
+
+}  // namespace
+
+Case planned(Scenario scenario) {
+  const ChannelOptions& channel = scenario.channel;
+  suspension::Plan plan;
+  plan.fluid = fluid_options(channel, scenario.fluid);
+  plan.start = channel.start;
+  plan.units = suspension::Plan::channel_units(plan.fluid);
+  const Units& units = plan.units;
+  plan.drive(channel.reynolds);
+  for (std::size_t side = 0; side < 2; ++side) {
+    plan.fluid.wall_velocity[0][side].z() = units.lattice_velocity(channel.wall_velocity[side]);
+  }
+  plan.gravity = units.lattice_acceleration(Eigen::Vector3d(channel.gravity.data()));
+  for (const BodyOptions& body : scenario.bodies) plan.bodies.push_back(body_plan(body, units));
+
+  const OutputOptions& output = scenario.output;
+  const Schedule schedule{
+      units.lattice_steps(scenario.run.time_limit), units.lattice_steps(output.every),
+      units.lattice_steps(output.surfaces_every), units.lattice_steps(output.field_every)};
+  return {std::move(scenario), std::move(plan), schedule};
+}
+
+}  // namespace ductile::drivers

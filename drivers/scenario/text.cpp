@@ -1,0 +1,98 @@
+#include "scenario/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+
+namespace ductile::drivers {
+namespace {
+
+/// The length of the shorter of two words' way into each other: insertions, deletions, changes and
+/// swaps of neighbours (optimal string alignment).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string in_quotes(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += fmt::format("\\{}", c);
+    } else if (static_cast<unsigned char>(c) < 32 || c == 127) {
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+std::string shortened(std::string text, std::size_t limit) {
+  if (text.size() <= limit) return text;
+  std::size_t end = limit;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  text.resize(end);
+  return text + "...";
+}
+
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](unsigned char c) {
+    return (c < 128 && std::isalnum(c) != 0) || c == '-' || c == '_';
+  });
+}
+
+std::string suggestion(std::string_view given, const std::vector<std::string_view>& known) {
+  if (given.size() > 64) return "";
+  // Case and the kind of dash are the commonest slips.
+  const auto plain = [](std::string_view word) {
+    std::string result(word);
+    for (char& c : result)
+      c = c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+  };
+  std::string_view best;
+  std::size_t least = 1 + std::max<std::size_t>(1, given.size() / 3);
+  for (const std::string_view name : known) {
+    const std::size_t distance = edit_distance(plain(given), plain(name));
+    if (distance < least) {
+      least = distance;
+      best = name;
+    }
+  }
+  return best.empty() ? "" : fmt::format(" did you mean {}?", in_quotes(best));
+}
+
+std::string joined(const std::vector<std::string_view>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string duration_text(double seconds) {
+  constexpr std::int64_t minute = 60;
+  constexpr std::int64_t hour = 3600;
+  constexpr std::int64_t day = 86400;
+  const auto total = static_cast<std::int64_t>(std::llround(std::max(0.0, seconds)));
+  if (total < minute) return fmt::format("{} s", total);
+  if (total < hour) return fmt::format("{} min {:02} s", total / minute, total % minute);
+  if (total < 2 * day) return fmt::format("{} h {:02} min", total / hour, total % hour / minute);
+  return fmt::format("{:.1f} days", seconds / day);
+}
+
+}  // namespace ductile::drivers

@@ -1,0 +1,31 @@
+// How names, values and durations are written for people, and how names are recognised.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ductile::drivers {
+
+/// A string as TOML, in quotes, on one line.
+std::string in_quotes(std::string_view text);
+
+/// At most `limit` bytes of a text, cut between UTF-8 characters.
+std::string shortened(std::string text, std::size_t limit);
+
+/// Whether a text may name a run or a body: names stand in file names, column headings, HDF5 paths,
+/// XML and --set paths.
+bool is_name(std::string_view text);
+constexpr std::string_view name_rule = "a name of 1 to 64 letters, digits, '-' or '_'";
+
+/// ` did you mean "nodes"?` for the known name nearest to `given`, or "" if none is near.
+std::string suggestion(std::string_view given, const std::vector<std::string_view>& known);
+
+/// "a, b, c"
+std::string joined(const std::vector<std::string_view>& names);
+
+/// "8 s", "3 min 20 s", "2 h 05 min", "3.1 days".
+std::string duration_text(double seconds);
+
+}  // namespace ductile::drivers
