@@ -1,4 +1,4 @@
-# Installs the build, then configures, builds and runs the consumer against the install.
+# Installs the build, then configures, builds and runs its programs against the install.
 file(REMOVE_RECURSE ${WORK})
 function(step)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
@@ -13,4 +13,6 @@ step(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR}
      -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 step(${CMAKE_COMMAND} --build ${WORK}/build)
 step(${WORK}/build/consumer)
+step(${WORK}/build/two_capsules)
+step(${MPIEXEC} --bind-to none --oversubscribe -n 2 ${WORK}/build/two_capsules)
 step(${WORK}/prefix/bin/ductile --version)
