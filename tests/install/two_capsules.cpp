@@ -48,7 +48,7 @@ suspension::Plan plan() {
 int run() {
   suspension::Suspension pair(plan(), PETSC_COMM_WORLD);
   bool good = true;
-  for (double stop = 0; stop <= 1; stop += 0.25) {
+  for (const double stop : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     while (pair.time() < stop) pair.step();
     const suspension::Sample now = pair.sample();  // every rank calls, rank 0 gets it
     if (pair.rank() != 0) continue;

@@ -96,7 +96,7 @@ void neo_hookean(double Ca, double low, double high, const std::vector<std::stri
   moduli.k_s = eta * rate * a / Ca;
   moduli.k_v = moduli.k_s;
   Shear shear(8 * a, 8 * a, a, rate, moduli);
-  for (double strain = 0.5; strain <= 2; strain += 0.5) {
+  for (const double strain : {0.5, 1.0, 1.5, 2.0}) {
     double least = std::numeric_limits<double>::infinity();
     double most = 0;
     for (const std::string& curve : curves) {
