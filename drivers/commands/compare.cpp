@@ -164,9 +164,10 @@ CompareCommand::Request CompareCommand::prepare() const {
   if (!any_capsule)
     throw InputError(file_ + ": has no capsule, and nothing else has a membrane to advance");
   Request request;
-  for (const std::string& name : names)
+  for (const std::string& name : names) {
     request.cases.emplace_back(name,
                                with_integrator(text, file_, overrides, scenario.bodies, name));
+  }
   request.directory =
       output_.directory(std::filesystem::path("runs") / (scenario.name + "_compare"));
   return request;

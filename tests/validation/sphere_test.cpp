@@ -115,22 +115,28 @@ TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
   }
   EXPECT_NEAR(fastest, 0.036, 0.05 * 0.036);
   std::printf("fastest: %.4f m/s, published 0.036\n", fastest);
-  // Where the curves were read off and where the sphere is, as far as the run goes.
-  const auto largest_difference = [&](const char* file, std::size_t column) {
-    double largest = 0;
-    for (const auto& [t, value] : test::reference_curve(file)) {
-      if (t >= path.back()[0]) continue;
-      const double here = path.at(static_cast<std::size_t>(t / dt))[column];
-      std::printf("t = %.3f s: %.4f, published %.4f\n", t, here, value);
-      largest = std::max(largest, std::abs(here - value));
-    }
-    return largest;
-  };
-  const double gap = largest_difference("settling_sphere/tenCate2002-fig5a-Re1p5.csv", 1);
-  const double velocity = largest_difference("settling_sphere/tenCate2002-fig5b-Re1p5.csv", 2);
-  std::printf("largest differences: %.3f d, %.4f m/s\n", gap, velocity);
-  EXPECT_LT(gap, 0.1);
-  EXPECT_LT(velocity, 0.05 * 0.036);
+  // How fast the gap closes between 1 and 3 s, by least squares over the times that were read off.
+  // Single points were read to some 0.2 diameters (the first lies above the start), their slope is
+  // better than that.
+  double times = 0, square = 0, here = 0, published = 0;
+  const auto curve = test::reference_curve("settling_sphere/tenCate2002-fig5a-Re1p5.csv");
+  int count = 0;
+  for (const auto& [t, gap] : curve) {
+    if (t < 1 || t > 3) continue;
+    times += t;
+    ++count;
+  }
+  ASSERT_GT(count, 10);
+  for (const auto& [t, gap] : curve) {
+    if (t < 1 || t > 3) continue;
+    const double arm = t - times / count;
+    square += arm * arm;
+    here += arm * path.at(static_cast<std::size_t>(t / dt))[1];
+    published += arm * gap;
+  }
+  std::printf("gap closes by %.4f, published %.4f diameters/s\n", -here / square,
+              -published / square);
+  EXPECT_NEAR(here / published, 1, 0.05);
 }
 
 }  // namespace
