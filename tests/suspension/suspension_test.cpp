@@ -75,6 +75,57 @@ Plan everything(fluid::Storage storage) {
   return plan;
 }
 
+// Spheres, where gaps are known but for what a mesh lies within its sphere: e^2/(6 R), and once
+// more where another mesh is across.
+TEST(Gaps, AreThoseOfSpheresAndWalls) {
+  Plan plan = channel({24, 24, 48});
+  const double a = plan.units.lattice_length(0.3);
+  const double within = 1.2 * 1.2 / (6 * a);
+  constexpr double retraction = 0.4;
+  const auto add = [&plan](const std::string& name, const Eigen::Vector3d& lattice_shift) {
+    BodyPlan sphere = body(plan, name, "sphere", {0, 0, 0});
+    sphere.centre += lattice_shift;
+    sphere.kind = RigidPlan{1, 5, 0, retraction};
+    plan.bodies.push_back(std::move(sphere));
+  };
+  add("middle", {0, 0, 0});
+  add("near", {0, 0, 2 * a + 1});          // 1 from the middle
+  add("image", {0, 0, 48 - 2 * a - 1.5});  // 1.5 from the middle's image
+  add("wall", {-12 + a + 1.8, 0, 24});    // 1.8 from the wall at x = -1
+  add("corner", {12 - a - 1.9, 12 - a - 1.7, 24});
+  Suspension suspension(plan, PETSC_COMM_WORLD);
+  const std::vector<Gap> gaps = suspension.gaps(kernel_reach);
+  if (suspension.rank() != 0) {
+    EXPECT_TRUE(gaps.empty());
+    return;
+  }
+  using To = Gap::To;
+  const std::vector<Gap> expected = {{To::body, 0, 1, 1, 0},
+                                     {To::body, 0, 2, 1.5, 0},
+                                     {To::wall, 3, 0, 1.8, -1},
+                                     {To::wall, 4, 0, 1.9, 1},
+                                     {To::wall, 4, 1, 1.7, 1}};
+  ASSERT_EQ(gaps.size(), expected.size());
+  for (std::size_t n = 0; n < gaps.size(); ++n) {
+    EXPECT_TRUE(gaps[n].between_same(expected[n])) << n;
+    EXPECT_GE(gaps[n].distance, expected[n].distance - 1e-9) << n;
+    EXPECT_LE(gaps[n].distance, expected[n].distance + 2 * within) << n;
+  }
+}
+
+TEST(Gaps, ABodyMayBeNearItsOwnImage) {
+  Plan plan = channel({24, 24, 15});
+  plan.bodies = {body(plan, "only", "sphere", {0, 0, 0})};
+  plan.bodies[0].shape = surface::make_shape("sphere", 7);
+  plan.bodies[0].kind = RigidPlan{};
+  Suspension suspension(plan, PETSC_COMM_WORLD);
+  const std::vector<Gap> gaps = suspension.gaps(kernel_reach);
+  if (suspension.rank() != 0) return;
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_TRUE(gaps[0].between_same({Gap::To::image, 0, 0, 1, 0}));
+  EXPECT_NEAR(gaps[0].distance, 1, 0.3);  // edges of 2.8: within the sphere by up to 0.19
+}
+
 using Store = std::map<std::string, std::vector<double>, std::less<>>;
 
 Store saved(Suspension& suspension) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "gap_finder.hpp"
 #include "gather.hpp"
 
 namespace ductile::suspension {
@@ -31,6 +32,8 @@ Suspension::Suspension(Plan plan, MPI_Comm comm)
   }
   coupler_.emplace(fluid_, std::move(members), static_cast<int>(plan_.bodies.size()));
 }
+
+Suspension::~Suspension() = default;
 
 // A body that cannot be made is its owner's to notice, and every rank's to hear of.
 void Suspension::make_bodies() {
@@ -152,6 +155,20 @@ FluidState Suspension::fields() {
     }
   }
   return all;
+}
+
+std::vector<Gap> Suspension::gaps(double reach) {
+  const Gather gather(comm());
+  std::vector<std::vector<double>> positions;
+  for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
+    const Body* mine = own(b);
+    std::vector<double> of_body =
+        gather.from(owner(b), mine != nullptr ? mine->positions() : std::span<const double>());
+    if (rank() == 0) positions.push_back(std::move(of_body));
+  }
+  if (rank() != 0) return {};
+  if (!gap_finder_) gap_finder_ = std::make_unique<GapFinder>(plan_);
+  return gap_finder_->below(reach, positions);
 }
 
 void Suspension::save(const StateWriter& write) {

@@ -22,10 +22,13 @@
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/suspension/body.hpp"
+#include "ductile/suspension/gaps.hpp"
 #include "ductile/suspension/plan.hpp"
 #include "ductile/suspension/sample.hpp"
 
 namespace ductile::suspension {
+
+class GapFinder;
 
 /// A body's surface at one instant: 3n numbers each, x y z of every vertex of BodyPlan::mesh().
 struct SurfaceState {
@@ -48,6 +51,7 @@ class Suspension {
   /// fluid::Fluid, and with the body's name for whatever keeps its owner from making it;
   /// fluid::MpiFailure.
   Suspension(Plan plan, MPI_Comm comm);
+  ~Suspension();
   Suspension(const Suspension&) = delete;
   Suspension& operator=(const Suspension&) = delete;
 
@@ -75,6 +79,10 @@ class Suspension {
   [[nodiscard]] std::vector<membrane::SolveStatistics> solvers() const;
   [[nodiscard]] std::vector<SurfaceState> surfaces() const;
   [[nodiscard]] FluidState fields();
+  /// All gaps smaller than `reach` lattice spacings, as the bodies are now: of each with the walls,
+  /// with the others (their nearest images) and with its own images. A rigid body's surface is
+  /// where its shape's is, not its markers.
+  [[nodiscard]] std::vector<Gap> gaps(double reach);
 
   /// Where this rank's time has gone.
   [[nodiscard]] const coupling::Profile& profile() const { return coupler_->profile(); }
@@ -103,6 +111,7 @@ class Suspension {
   fluid::Fluid fluid_;
   std::vector<Owned> bodies_;
   std::optional<coupling::Coupler> coupler_;
+  std::unique_ptr<GapFinder> gap_finder_;  // rank 0's, once asked for
 };
 
 }  // namespace ductile::suspension

@@ -1,0 +1,26 @@
+// The gaps between bodies, and between bodies and walls.
+#pragma once
+
+#include <cstddef>
+
+namespace ductile::suspension {
+
+/// Smallest distance between two surfaces.
+struct Gap {
+  enum class To { wall, body, image };
+  To to = To::wall;
+  std::size_t body = 0;   ///< index in Plan::bodies
+  std::size_t other = 0;  ///< the other body's index; for a wall, its axis: 0 for x, 1 for y
+  double distance = 0;    ///< lattice spacings; 0 or less where they cross, how deep is not said
+  int side = 0;           ///< of a wall: -1 at the axis' low end, 1 at its high end
+
+  /// Whether both lie between the same two.
+  [[nodiscard]] bool between_same(const Gap& gap) const {
+    return to == gap.to && body == gap.body && other == gap.other && side == gap.side;
+  }
+};
+
+/// How far the 4-point kernel reaches from a marker, in lattice spacings.
+constexpr double kernel_reach = 2;
+
+}  // namespace ductile::suspension
