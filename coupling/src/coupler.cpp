@@ -4,6 +4,8 @@
 #include <array>
 #include <climits>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 
 #include "ductile/fluid/delta.hpp"
@@ -118,9 +120,9 @@ void Coupler::Impl::guarded(Host& host, const F& f) {
   try {
     f(*host.body);
   } catch (const MarkerError& error) {
-    failures_.add(host.id, error.marker(), error.what());
+    failures_.add(host.id, BodyFailure::Cause::body, error.marker(), error.what());
   } catch (const std::exception& error) {
-    failures_.add(host.id, std::nullopt, error.what());
+    failures_.add(host.id, BodyFailure::Cause::body, std::nullopt, error.what());
   }
 }
 
@@ -180,7 +182,7 @@ std::optional<fluid::Box> Coupler::Impl::reach_of(const Host& host) {
   for (std::size_t n = 0; n < x.size(); n += 3) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (!(std::abs(x[n + axis]) < 1e9)) {
-        failures_.add(host.id, n / 3,
+        failures_.add(host.id, BodyFailure::Cause::body, n / 3,
                       "the position of marker " + std::to_string(n / 3) + " is not finite");
         return std::nullopt;
       }
@@ -207,6 +209,23 @@ std::size_t extreme_marker(const Host& host, std::size_t axis, bool lowest) {
   return found;
 }
 
+// A marker at `x` whose kernel leaves the fluid at one end of an axis.
+std::string too_close(const fluid::Options& options, std::size_t axis, bool low, std::size_t marker,
+                      double x) {
+  // Half-way walls lie half a spacing outside of the outermost nodes, which the kernel may use;
+  // regularized ones on them, and there it may not.
+  const bool periodic = options.boundary[axis] == fluid::Boundary::periodic;
+  const bool on_nodes = options.boundary[axis] == fluid::Boundary::regularized;
+  const double outside = on_nodes ? 0 : 0.5;
+  const double end = low ? -outside : options.nodes[axis] - 1 + outside;
+  std::ostringstream text;
+  text << std::setprecision(3) << "marker " << marker << " is " << std::abs(x - end)
+       << " lattice spacings from the " << (periodic ? "periodic side" : "wall") << " at the "
+       << (low ? "low" : "high") << " end of "
+       << "xyz"[axis] << ", under the " << (on_nodes ? 2 : 1.5) << " that the 4-point kernel needs";
+  return text.str();
+}
+
 // Whether the fluid has all nodes that the host's markers reach, each once; a failure if not.
 bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
   const fluid::Options& options = fluid_.options();
@@ -214,17 +233,16 @@ bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (axis == 2 && options.boundary[axis] == fluid::Boundary::periodic) {
       if (reach[axis].size() <= options.nodes[axis]) continue;
-      failures_.add(host.id, std::nullopt,
+      failures_.add(host.id, BodyFailure::Cause::boundary, std::nullopt,
                     "the body is longer than the periodic channel; use a longer channel");
       return false;
     }
     const bool too_low = reach[axis].begin < domain[axis].begin;
     if (!too_low && reach[axis].end <= domain[axis].end) continue;
     const std::size_t marker = extreme_marker(host, axis, too_low);
-    failures_.add(host.id, marker,
-                  "marker " + std::to_string(marker) + " is too close to the boundary along " +
-                      "xyz"[axis] +
-                      " for the 4-point kernel, which reaches two nodes; use more nodes");
+    failures_.add(
+        host.id, BodyFailure::Cause::boundary, marker,
+        too_close(options, axis, too_low, marker, host.body->positions()[3 * marker + axis]));
     return false;
   }
   return true;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "ductile/coupling/coupler.hpp"
 #include "ductile/fluid/mpi.hpp"
 
 namespace ductile::coupling {
@@ -16,7 +17,8 @@ namespace ductile::coupling {
 class Failures {
  public:
   /// `marker`: the one at fault, where it was one.
-  void add(int body, std::optional<std::size_t> marker, const std::string& reason);
+  void add(int body, BodyFailure::Cause cause, std::optional<std::size_t> marker,
+           const std::string& reason);
   [[nodiscard]] bool any() const { return body_ != INT_MAX; }
   /// Whether a failure of `body` would not count any more.
   [[nodiscard]] bool precede(int body) const { return body_ <= body; }
@@ -26,6 +28,7 @@ class Failures {
 
  private:
   int body_ = INT_MAX;
+  BodyFailure::Cause cause_ = BodyFailure::Cause::body;
   std::optional<std::size_t> marker_;
   std::string reason_;
 };

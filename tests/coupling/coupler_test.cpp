@@ -234,15 +234,22 @@ TEST(Coupler, RefusesMarkersThatReachAWall) {
     try {
       coupler.step();
     } catch (const BodyFailure& error) {
-      return error.reason();
+      return (error.cause() == BodyFailure::Cause::boundary ? "boundary: " : "body: ") +
+             error.reason();
     }
     return "";
   };
   EXPECT_EQ(failure({2.0, 1.0, 0.0}), "");
-  EXPECT_NE(failure({1.9, 8, 8}).find("along x"), std::string::npos);
-  EXPECT_NE(failure({8, 0.9, 8}).find("along y"), std::string::npos);
-  EXPECT_NE(failure({8, 14.1, 8}).find("along y"), std::string::npos);
-  EXPECT_NE(failure({8, NAN, 8}).find("marker 0 is not finite"), std::string::npos);
+  EXPECT_EQ(failure({1.9, 8, 8}),
+            "boundary: marker 0 is 1.9 lattice spacings from the wall at the low end of x, under "
+            "the 2 that the 4-point kernel needs");
+  EXPECT_EQ(failure({8, 0.9, 8}),
+            "boundary: marker 0 is 1.4 lattice spacings from the wall at the low end of y, under "
+            "the 1.5 that the 4-point kernel needs");
+  EXPECT_EQ(failure({8, 14.1, 8}),
+            "boundary: marker 0 is 1.4 lattice spacings from the wall at the high end of y, under "
+            "the 1.5 that the 4-point kernel needs");
+  EXPECT_EQ(failure({8, NAN, 8}), "body: the position of marker 0 is not finite");
 }
 
 TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {

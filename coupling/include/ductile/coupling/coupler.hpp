@@ -24,9 +24,14 @@ struct Member {
 /// step is not complete: fluid and bodies may have taken it or not.
 class BodyFailure : public std::runtime_error {
  public:
-  BodyFailure(int body, std::optional<std::size_t> marker, std::int64_t step,
+  enum class Cause {
+    body,     ///< what the body itself throws, or a marker at no finite place
+    boundary  ///< a marker too close to a boundary of the fluid for the kernel
+  };
+  BodyFailure(int body, Cause cause, std::optional<std::size_t> marker, std::int64_t step,
               const std::string& reason);
   [[nodiscard]] int body() const { return body_; }
+  [[nodiscard]] Cause cause() const { return cause_; }
   /// The marker at fault, where it was one.
   [[nodiscard]] std::optional<std::size_t> marker() const { return marker_; }
   [[nodiscard]] std::int64_t step() const { return step_; }
@@ -34,6 +39,7 @@ class BodyFailure : public std::runtime_error {
 
  private:
   int body_;
+  Cause cause_;
   std::optional<std::size_t> marker_;
   std::int64_t step_;
   std::string reason_;
