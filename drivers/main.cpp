@@ -6,20 +6,24 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "commands/program.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/membrane/petsc.hpp"
 #include "output/plot.hpp"
 #include "run/exit_code.hpp"
+#include "run/petsc_options.hpp"
 
 int main(int argc, char** argv) {
   using namespace ductile::drivers;
-  // PETSc gets none of the user's arguments, and leaves signals alone.
+  // PETSc gets none of the user's arguments, reads no file, and leaves signals alone.
+  const std::vector<std::string> ignored = ignored_petsc_sources();
   std::string name = "ductile";
-  std::string option = "-no_signal_handler";
-  std::array<char*, 3> petsc_arguments{name.data(), option.data(), nullptr};
-  int petsc_count = 2;
+  std::string no_signals = "-no_signal_handler";
+  std::string no_files = "-skip_petscrc";
+  std::array<char*, 4> petsc_arguments{name.data(), no_signals.data(), no_files.data(), nullptr};
+  int petsc_count = 3;
   char** petsc_argv = petsc_arguments.data();
   if (PetscInitialize(&petsc_count, &petsc_argv, nullptr, nullptr) != 0) return exit_failure;
   int exit_code = exit_failure;
@@ -29,6 +33,13 @@ int main(int argc, char** argv) {
     ductile::membrane::quieten_petsc();
     const ductile::fluid::Communicator world(PETSC_COMM_WORLD);
     rank = world.rank();
+    for (const std::string& source : ignored) {
+      if (rank != 0) break;
+      std::fprintf(stderr,
+                   "warning: %s is ignored: options of PETSc belong into the scenario's [petsc] or "
+                   "into --petsc\n",
+                   source.c_str());
+    }
     exit_code = run_program({argv + 1, argv + argc}, world.get(), pictures);
   } catch (const std::exception& error) {
     // The other ranks may be waiting for this one.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/contacts.hpp"
 #include "checks/geometry.hpp"
 #include "checks/speed.hpp"
 #include "scenario/defaults.hpp"

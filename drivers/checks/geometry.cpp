@@ -1,7 +1,5 @@
 #include "checks/geometry.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -83,18 +81,6 @@ double reach_from_axis(const Plan& plan, std::size_t body, int axis) {
   return from_axis(Placed(plan.bodies[body]), plan, axis);
 }
 
-std::string body_name(const Plan& plan, std::size_t body) {
-  return fmt::format("body \"{}\"", plan.bodies[body].name);
-}
-
-std::string wall_name(const Plan& plan, const Gap& gap) {
-  const int axis = static_cast<int>(gap.other);
-  const double side = plan.bodies[gap.body].centre[axis] < plan.units.origin()[axis] ? -1 : 1;
-  return axis == 0
-             ? fmt::format("the wall at x = {}", side)
-             : fmt::format("the wall at y = {:.6g}", side * plan.units.length(plan.half_width_y()));
-}
-
 int nodes_for_gap(const Plan& plan, double distance, double wanted) {
   const double width = 2 * plan.units.half_width() * wanted / distance;
   return static_cast<int>(std::ceil(width - round_off)) +
@@ -112,8 +98,9 @@ std::vector<Gap> gaps(const Plan& plan) {
       if (axis == 2 || (axis == 1 && !plan.side_walls())) {
         result.push_back({Gap::To::image, i, i, plan.fluid.nodes[axis] - 2 * bodies[i].extent(a)});
       } else {
+        const int side = bodies[i].centre()[a] < plan.units.origin()[a] ? -1 : 1;
         result.push_back(
-            {Gap::To::wall, i, axis, half_widths[axis] - from_axis(bodies[i], plan, a)});
+            {Gap::To::wall, i, axis, half_widths[axis] - from_axis(bodies[i], plan, a), side});
       }
     }
     for (std::size_t j = i + 1; j < bodies.size(); ++j)

@@ -2,34 +2,23 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
+#include "ductile/suspension/gaps.hpp"
 #include "ductile/suspension/plan.hpp"
 
 namespace ductile::drivers {
 
-/// Smallest distance between two surfaces.
-struct Gap {
-  enum class To { wall, body, image };
-  To to = To::wall;
-  std::size_t body = 0;   ///< index in Plan::bodies
-  std::size_t other = 0;  ///< the other body's index; for a wall, its axis: 0 for x, 1 for y
-  double distance = 0;    ///< lattice spacings; negative where they overlap
-};
+using suspension::Gap;
 
-/// The gaps of every body to the nearer wall of each axis, to every other body (the nearest image
-/// of it) and to its own images. That between two bodies of which neither is a sphere is taken
-/// between the vertices of fine meshes, a few per cent too long for very small gaps; where bodies
-/// overlap only the sign of the distance counts.
+/// The gaps where the bodies start: of every body to the nearer wall of each axis, to every other
+/// body (the nearest image of it) and to its own images. That between two bodies of which neither
+/// is a sphere is taken between the vertices of fine meshes, a few per cent too long for very small
+/// gaps; where bodies overlap only the sign of the distance counts.
 std::vector<Gap> gaps(const suspension::Plan& plan);
 
 /// Farthest that a body reaches from the middle of the channel along x or y (axis 0 or 1).
 double reach_from_axis(const suspension::Plan& plan, std::size_t body, int axis);
-
-/// How messages call a body and a wall: `body "lag"`, "the wall at x = -1".
-std::string body_name(const suspension::Plan& plan, std::size_t body);
-std::string wall_name(const suspension::Plan& plan, const Gap& gap);
 
 /// The number of nodes across that widens a gap to `wanted` lattice spacings.
 int nodes_for_gap(const suspension::Plan& plan, double distance, double wanted);

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/contacts.hpp"
 #include "analysis/stability.hpp"
 #include "checks/advice.hpp"
 #include "checks/geometry.hpp"

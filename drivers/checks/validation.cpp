@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/contacts.hpp"
 #include "checks/geometry.hpp"
 #include "scenario/errors.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 using suspension::Plan;
 
 constexpr double largest_mach = 0.3;
-constexpr double wall_gap = 2;  // the 4-point kernel's reach
+constexpr double wall_gap = suspension::kernel_reach;
 constexpr double body_gap = 1;
 constexpr double image_gap = 5;
 
@@ -147,15 +148,11 @@ void check_gaps(const Plan& plan) {
   for (const Gap& gap : all) {
     const double least = least_gap(plan, gap);
     if (gap.distance >= least - round_off) continue;
-    const std::string across =
-        gap.to == Gap::To::wall
-            ? wall_name(plan, gap)
-            : (gap.to == Gap::To::image ? "its own periodic image" : body_name(plan, gap.other));
     throw ScenarioError(
         "channel.nodes",
         fmt::format("too few nodes across the gap between {} and {}: {:.2f} lattice spacings, at "
                     "least {} needed: raise channel.nodes to {} or move the body",
-                    body_name(plan, gap.body), across, gap.distance, least,
+                    body_name(plan, gap.body), across_name(plan, gap), gap.distance, least,
                     nodes_for_gap(plan, gap.distance, least)));
   }
 }

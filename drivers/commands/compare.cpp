@@ -82,34 +82,42 @@ struct Variants {
   std::vector<std::string> integrators;
   std::vector<std::string> scenarios;
   std::filesystem::path directory;
-  std::set<std::string> read_options;  ///< of PETSc, by any of them; on rank 0
+  std::vector<std::vector<std::string>> warnings;  ///< of before the runs; on rank 0
+  std::set<std::string> read_options;              ///< of PETSc, by any of them; on rank 0
 };
 
 /// What came of the runs.
 struct Results {
-  int exit_code = exit_success;  ///< of a run that could not be done, or exit_blow_up if all did
+  /// Of a run that could not be done; else of all runs, where they end in the same way.
+  int exit_code = exit_success;
   std::vector<std::string> finished;  ///< integrators whose runs have left results
   std::vector<Contender> contenders;  ///< rank 0's
 };
 
+/// Whether a run that ends so has something to compare.
+bool has_results(int exit_code) {
+  return exit_code == exit_success || exit_code == exit_blow_up || exit_code == exit_contact;
+}
+
 Results run_all(Variants& variants, bool force, MPI_Comm comm) {
   Results results;
-  std::size_t failures = 0;
+  std::set<int> codes;
   for (std::size_t n = 0; n < variants.integrators.size(); ++n) {
     const std::string& integrator = variants.integrators[n];
     const bool root = rank_in(comm) == 0;
     if (root) fmt::print(stderr, "{}, {} of {}\n", integrator, n + 1, variants.integrators.size());
     const Case given = shared_case(variants.scenarios[n], comm);
-    RunResult run = run_case(given,
-                             {variants.directory / integrator, variants.scenarios[n], force, true,
-                              variants.read_options},
-                             comm);
-    if (run.exit_code != exit_success && run.exit_code != exit_blow_up) {
+    RunResult run =
+        run_case(given,
+                 {variants.directory / integrator, variants.scenarios[n], force, true,
+                  root ? variants.warnings[n] : std::vector<std::string>(), variants.read_options},
+                 comm);
+    if (!has_results(run.exit_code)) {
       results.exit_code = run.exit_code;
       return results;
     }
     results.finished.push_back(integrator);
-    if (run.exit_code == exit_blow_up) ++failures;
+    codes.insert(run.exit_code);
     if (run.summary) {
       fmt::print(stderr, "{}: {}, {}\n", integrator, to_string(run.summary->status),
                  duration_text(run.summary->wall_time));
@@ -117,7 +125,7 @@ Results run_all(Variants& variants, bool force, MPI_Comm comm) {
     }
     if (run.interrupted) break;
   }
-  if (failures == results.finished.size()) results.exit_code = exit_blow_up;
+  if (codes.size() == 1) results.exit_code = *codes.begin();
   return results;
 }
 
@@ -130,10 +138,6 @@ int write_comparison(const Results& results, const Variants& variants, MPI_Comm 
     fmt::print("results in {}\n", variants.directory.string());
     return exit_success;
   });
-}
-
-bool has_results(int exit_code) {
-  return exit_code == exit_success || exit_code == exit_blow_up;
 }
 
 }  // namespace
@@ -181,7 +185,7 @@ int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
       variants.read_options.merge(try_petsc_options(given));
       variants.scenarios.push_back(resolved_toml(given.scenario));
     }
-    advise(request.cases);
+    variants.warnings = advise(request.cases);
     variants.directory = request.directory;
   });
   if (code != exit_success) return code;

@@ -25,7 +25,8 @@ class CompareCommand final : public Command {
   [[nodiscard]] Request prepare() const;
   /// Runs the cases one after the other, each into a directory of its own, then prints the
   /// comparison and writes compare.json beside them. A signal ends the run at hand and leaves out
-  /// those still to come. A run that blew up is a result: exit_blow_up only if all did.
+  /// those still to come. A run that blew up or ended by a contact is a result: the exit
+  /// code says so only if all did.
   int execute(MPI_Comm comm, Pictures& pictures) override;
 
  private:

@@ -14,12 +14,15 @@
 
 namespace ductile::drivers {
 
-void advise(const std::vector<std::pair<std::string, Case>>& cases) {
+std::vector<std::vector<std::string>> advise(
+    const std::vector<std::pair<std::string, Case>>& cases) {
+  std::vector<std::vector<std::string>> of_cases;
   std::vector<std::pair<std::string, std::vector<std::string>>> lines;
   for (const auto& [name, given] : cases) {
     std::vector<std::string> said;
     for (const std::string& note : notes(given)) said.push_back("note: " + note);
-    for (const std::string& warning : warnings(given)) said.push_back("warning: " + warning);
+    of_cases.push_back(warnings(given));
+    for (const std::string& warning : of_cases.back()) said.push_back("warning: " + warning);
     for (const std::string& line : said) {
       auto known = std::find_if(lines.begin(), lines.end(),
                                 [&line](const auto& entry) { return entry.first == line; });
@@ -32,6 +35,7 @@ void advise(const std::vector<std::pair<std::string, Case>>& cases) {
         names.size() == cases.size() ? "" : fmt::format(" (of {})", fmt::join(names, ", "));
     fmt::print(stderr, "{}{}\n", line, about);
   }
+  return of_cases;
 }
 
 int with_input(MPI_Comm comm, const std::function<void()>& work) {

@@ -28,7 +28,8 @@ constexpr std::string_view about =
 
 constexpr std::string_view footer =
     "Exit codes: 0 success, 1 the run could not be done, 2 wrong input (nothing is written),\n"
-    "3 the fluid or a body became unstable (of compare: with every integrator).\n"
+    "3 the fluid or a body became unstable (of compare: with every integrator),\n"
+    "4 surfaces of bodies crossed, or a body came to a wall.\n"
     "Under mpirun the channel is shared among the ranks; results do not depend on their number.\n"
     "`ductile COMMAND --help` tells more about a command.";
 

@@ -23,10 +23,11 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
   std::string scenario;
   std::filesystem::path directory;     // rank 0's
   std::set<std::string> read_options;  // rank 0's
+  std::vector<std::string> warnings;   // rank 0's
   const int code = with_input(comm, [&] {
     const Request request = prepare();
     read_options = try_petsc_options(request.given);
-    advise({{"", request.given}});
+    warnings = advise({{"", request.given}}).front();
     directory = request.directory;
     scenario = resolved_toml(request.given.scenario);
   });
@@ -34,10 +35,11 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
   const Case given = shared_case(scenario, comm);
   if (!enough_planes(given, comm)) return exit_bad_input;
   const RunResult result =
-      run_case(given, {directory, scenario, force(), profile(), read_options}, comm);
+      run_case(given, {directory, scenario, force(), profile(), warnings, read_options}, comm);
   if (result.summary) {
     print_outcome(*result.summary, directory);
-    pictures.trajectories.push_back(directory);
+    // Without bodies there is nothing to draw.
+    if (!given.plan.bodies.empty()) pictures.trajectories.push_back(directory);
   }
   return result.exit_code;
 }

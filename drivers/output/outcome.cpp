@@ -14,6 +14,10 @@ void print_outcome(const Summary& summary, const std::filesystem::path& director
                summary.blow_up->step, summary.time, summary.blow_up->reason);
     fmt::print(stderr, "what was computed until then is in {}\n", directory.string());
   } else {
+    if (!summary.contact_reason.empty()) {
+      fmt::print(stderr, "ductile: the run ends by a contact at step {} (t = {:.4g}): {}\n",
+                 summary.steps, summary.time, summary.contact_reason);
+    }
     if (summary.verdict) {
       fmt::print("{}: dz = {:.3f} at t = {:.2f} ({})\n", to_string(summary.verdict->pair_class),
                  summary.dz.value_or(0), summary.time, summary.verdict->reason);

@@ -44,6 +44,18 @@ void add_body(Json& json, const BodySummary& body, std::int64_t steps) {
   json.close('}');
 }
 
+void add_contact(Json& json, const ContactSummary& contact) {
+  json.open('{');
+  json.add("body", contact.body);
+  json.add("other", contact.other);
+  json.add("gap_W", contact.gap);
+  json.add("gap_dx", contact.gap_nodes);
+  json.add("time_W2_over_nu", contact.time);
+  json.add("since_W2_over_nu", contact.since);
+  json.add("crossed", contact.crossed);
+  json.close('}');
+}
+
 }  // namespace
 
 std::string_view to_string(RunStatus status) {
@@ -54,6 +66,8 @@ std::string_view to_string(RunStatus status) {
       return "decided";
     case RunStatus::stop_distance:
       return "stopped at dz";
+    case RunStatus::contact:
+      return "contact";
     case RunStatus::time_limit:
       return "time limit";
     case RunStatus::interrupted:
@@ -95,6 +109,7 @@ std::string to_json(const Summary& summary) {
   json.add("scenario", summary.scenario);
   json.add("status", to_string(summary.status));
   if (summary.blow_up) add_blow_up(json, *summary.blow_up);
+  if (!summary.contact_reason.empty()) json.add("contact_reason", summary.contact_reason);
   if (summary.verdict) {
     json.add("verdict", to_string(summary.verdict->pair_class));
     json.add("verdict_reason", summary.verdict->reason);
@@ -105,6 +120,9 @@ std::string to_json(const Summary& summary) {
   json.add("steps", summary.steps);
   json.open('[', "bodies");
   for (const auto& body : summary.bodies) add_body(json, body, summary.steps);
+  json.close(']');
+  json.open('[', "contacts");
+  for (const auto& contact : summary.contacts) add_contact(json, contact);
   json.close(']');
   json.open('[', "warnings");
   for (const auto& warning : summary.warnings) json.add({}, warning);

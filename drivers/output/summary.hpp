@@ -21,6 +21,7 @@ enum class RunStatus {
   finished,       ///< "finished": it reached its end time, and nothing was left to decide
   decided,        ///< "decided": the verdict of the pair was clear before
   stop_distance,  ///< "stopped at dz": the particles of the pair are too far apart
+  contact,        ///< "contact": surfaces have crossed, or a body has come to a wall
   time_limit,     ///< "time limit": it reached its end time with the pair undecided
   interrupted,    ///< "interrupted": by a signal
   blew_up         ///< "blew up"
@@ -55,15 +56,27 @@ struct BodySummary {
   std::optional<CapsuleSummary> capsule;
 };
 
+/// A gap that the lattice does not resolve.
+struct ContactSummary {
+  std::string body, other;  ///< as messages call them
+  double gap = 0;           ///< the smallest [W]; 0 where the surfaces cross
+  double gap_nodes = 0;     ///< the same in lattice spacings
+  double time = 0;          ///< of it [W^2/nu]
+  double since = 0;         ///< when it was first under the kernel's reach [W^2/nu]
+  bool crossed = false;
+};
+
 struct Summary {
   std::string scenario;  ///< name or file
   RunStatus status = RunStatus::finished;
   std::optional<BlowUp> blow_up;
-  double time = 0;  ///< simulated [W^2/nu]
+  std::string contact_reason;  ///< why the contact has ended the run, if one has
+  double time = 0;             ///< simulated [W^2/nu]
   std::int64_t steps = 0;
   std::optional<Verdict> verdict;  ///< of a pair
   std::optional<double> dz;        ///< of a pair, at the end [W]
   std::vector<BodySummary> bodies;
+  std::vector<ContactSummary> contacts;
   std::vector<std::string> warnings;
   double wall_time = 0;           ///< [s]
   double updates_per_second = 0;  ///< lattice nodes x steps / wall time

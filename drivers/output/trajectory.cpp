@@ -63,11 +63,11 @@ Trajectory::Trajectory(std::filesystem::path file, std::vector<std::string> name
 void Trajectory::write(const suspension::Sample& sample) {
   std::vector<bool> capsules;
   for (const auto& body : sample.bodies) capsules.push_back(body.capsule);
-  if (capsules.size() != names_.size() || (!capsules_.empty() && capsules != capsules_)) {
+  if (capsules.size() != names_.size() || (capsules_ && capsules != *capsules_)) {
     throw std::invalid_argument(fmt::format(
         "trajectory of {} bodies: a sample has other bodies than the lines before", names_.size()));
   }
-  if (capsules_.empty()) write_line(header(names_, capsules));
+  if (!capsules_) write_line(header(names_, capsules));
   capsules_ = capsules;
 
   std::string line = fmt::format("{}", sample.time);

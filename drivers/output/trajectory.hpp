@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ class Trajectory {
 
   std::filesystem::path file_;
   std::vector<std::string> names_;
-  std::vector<bool> capsules_;  // empty until the header is written
+  std::optional<std::vector<bool>> capsules_;  // which bodies are; once the header is written
   std::unique_ptr<std::FILE, Close> out_;
 };
 

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <petscsys.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "ductile/fluid/mpi.hpp"
@@ -39,6 +42,23 @@ void take_a_step(const membrane::Scheme& scheme) {
 }
 
 }  // namespace
+
+std::vector<std::string> ignored_petsc_sources() {
+  std::vector<std::string> found;
+  for (const char* variable : {"PETSC_OPTIONS", "PETSC_OPTIONS_YAML"}) {
+    if (std::getenv(variable) == nullptr) continue;
+    found.emplace_back(variable);
+    unsetenv(variable);
+  }
+  std::vector<std::filesystem::path> files = {".petscrc", "petscrc"};
+  if (const char* home = std::getenv("HOME"))
+    files.push_back(std::filesystem::path(home) / files[0]);
+  for (const std::filesystem::path& file : files) {
+    std::error_code error;
+    if (std::filesystem::exists(file, error)) found.push_back(file.string());
+  }
+  return found;
+}
 
 PetscOptions::PetscOptions(const std::vector<PetscOption>& options) {
   try {

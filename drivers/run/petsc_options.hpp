@@ -12,6 +12,12 @@
 
 namespace ductile::drivers {
 
+/// Takes PETSc's own sources of options out of its sight, for results come from the scenario alone:
+/// PETSC_OPTIONS and PETSC_OPTIONS_YAML of the environment, and .petscrc in the home directory,
+/// .petscrc and petscrc in the working one, which PETSc leaves out given the option -skip_petscrc.
+/// Gives the names of those that there are. Call before PetscInitialize().
+std::vector<std::string> ignored_petsc_sources();
+
 /// While it lives, PETSc has the scenario's options on this rank, for all solvers made from now on;
 /// then it has again those that it had before.
 class PetscOptions {

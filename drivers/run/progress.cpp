@@ -17,6 +17,13 @@ constexpr double terminal_interval = 0.25;
 constexpr double first_line_interval = 10;
 constexpr double last_line_interval = 300;
 constexpr double million = 1e6;
+
+/// "10" of "10.00".
+std::string without_zeros(std::string decimal) {
+  decimal.erase(decimal.find_last_not_of('0') + 1);
+  if (decimal.ends_with('.')) decimal.pop_back();
+  return decimal;
+}
 }  // namespace
 
 double Progress::steady_seconds() {
@@ -32,6 +39,8 @@ Progress::Progress(double end_time, std::int64_t nodes, std::FILE* out, bool ter
       out_(out),
       terminal_(terminal),
       clock_(std::move(clock)),
+      decimals_(end_time > 0 ? std::max(2, 2 - static_cast<int>(std::floor(std::log10(end_time))))
+                             : 2),
       interval_(terminal ? terminal_interval : first_line_interval) {}
 
 void Progress::update(double time, std::int64_t step) {
@@ -59,7 +68,8 @@ void Progress::show() {
     rate_ = static_cast<double>(now_.step - shown_.step) * nodes_ / elapsed / million;
   }
   const double fraction = end_time_ > 0 ? std::clamp(now_.time / end_time_, 0.0, 1.0) : 1.0;
-  std::string text = fmt::format("t = {:.2f} of {:g}  {:3.0f}%  {:.1f} MLUPS", now_.time, end_time_,
+  std::string text = fmt::format("t = {:.{}f} of {}  {:3.0f}%  {:.1f} MLUPS", now_.time, decimals_,
+                                 without_zeros(fmt::format("{:.{}f}", end_time_, decimals_)),
                                  std::floor(100 * fraction), rate_);
   const double done = now_.time - first_.time;
   const double left = end_time_ - now_.time;

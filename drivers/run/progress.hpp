@@ -50,6 +50,7 @@ class Progress {
   State shown_;
   State now_;
   bool started_ = false;
+  int decimals_;  // of times
   double interval_;
   double rate_ = 0;  // million updates a second, over the last interval
 };

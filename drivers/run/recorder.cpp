@@ -41,14 +41,15 @@ std::optional<Surfaces> make_surfaces(const Case& given, const std::filesystem::
 }  // namespace
 
 Recorder::Recorder(const Case& given, const std::filesystem::path& directory, bool force,
-                   const std::string& scenario_text)
+                   const std::string& scenario_text, std::vector<std::string> warnings)
     : given_(given),
       directory_(directory, force),
       trajectory_(directory_.trajectory(), names(given.scenario)),
       judge_(given.scenario.run.stop_distance),
       lateral_(given.plan.bodies.size(), SettlingWatch(rules::lateral)),
       strain_(given.plan.bodies.size(), SettlingWatch(rules::strain)),
-      volume_error_(given.plan.bodies.size(), 0.0) {
+      volume_error_(given.plan.bodies.size(), 0.0),
+      warnings_(std::move(warnings)) {
   directory_.write_scenario(scenario_text);
   surfaces_ = make_surfaces(given, directory);
 }
@@ -73,6 +74,10 @@ Recorder::Finding Recorder::take(const suspension::Sample& sample) {
 void Recorder::write_frame(double time, const std::vector<suspension::SurfaceState>& surfaces,
                            const suspension::FluidState* fluid) {
   surfaces_->write(time, surfaces, fluid);
+}
+
+bool Recorder::take_gaps(double time, const std::vector<suspension::Gap>& gaps) {
+  return contacts_.update(time, gaps);
 }
 
 void Recorder::warn(const std::string& warning) {
@@ -133,6 +138,17 @@ Summary Recorder::summarise(RunStatus status,
     body.lateral = lateral_[b].outlook();
     if (last.bodies[b].capsule) body.capsule = summarise_capsule(b, solvers[b], summary.warnings);
     summary.bodies.push_back(std::move(body));
+  }
+  for (const Contact& contact : contacts_.all()) {
+    const suspension::Gap& gap = contact.smallest;
+    const double distance = std::max(0.0, gap.distance);
+    summary.contacts.push_back({given_.plan.bodies[gap.body].name,
+                                gap.to == suspension::Gap::To::body
+                                    ? given_.plan.bodies[gap.other].name
+                                    : across_name(given_.plan, gap),
+                                given_.plan.units.length(distance), distance, contact.time,
+                                contact.since, contact.crossed()});
+    summary.warnings.push_back(description(given_.plan, contact));
   }
   return summary;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/contacts.hpp"
 #include "analysis/verdict.hpp"
 #include "ductile/suspension/suspension.hpp"
 #include "output/run_directory.hpp"
@@ -21,9 +22,10 @@ class Recorder {
   /// What a sample means for the run.
   enum class Finding { go_on, decided, too_far };
 
-  /// Opens the files. `given` must outlive it. Throws InputError and OutputError as RunDirectory.
+  /// Opens the files. `given` must outlive it; `warnings` are those of before the run. Throws
+  /// InputError and OutputError as RunDirectory.
   Recorder(const Case& given, const std::filesystem::path& directory, bool force,
-           const std::string& scenario_text);
+           const std::string& scenario_text, std::vector<std::string> warnings);
 
   [[nodiscard]] bool pair() const { return given_.scenario.bodies.size() == 2; }
   [[nodiscard]] std::vector<suspension::Sample>& samples() { return samples_; }
@@ -33,6 +35,8 @@ class Recorder {
   /// Writes a frame. Throws OutputError.
   void write_frame(double time, const std::vector<suspension::SurfaceState>& surfaces,
                    const suspension::FluidState* fluid);
+  /// Takes the gaps below suspension::kernel_reach. True if surfaces cross that did not before.
+  bool take_gaps(double time, const std::vector<suspension::Gap>& gaps);
   /// Something to tell at once, and again in the end.
   void warn(const std::string& warning);
 
@@ -50,6 +54,7 @@ class Recorder {
   RunDirectory directory_;
   Trajectory trajectory_;
   PairJudge judge_;
+  Contacts contacts_;
   std::vector<SettlingWatch> lateral_;
   std::vector<SettlingWatch> strain_;
   std::vector<double> volume_error_;

@@ -18,9 +18,10 @@ namespace ductile::drivers {
 
 struct RunOptions {
   std::filesystem::path directory;
-  std::string scenario_text;  ///< resolved; written to scenario.toml
-  bool force = false;         ///< a run of before in the directory is replaced
-  bool profile = false;       ///< the summary holds the time by part
+  std::string scenario_text;               ///< resolved; written to scenario.toml
+  bool force = false;                      ///< a run of before in the directory is replaced
+  bool profile = false;                    ///< the summary holds the time by part
+  std::vector<std::string> warnings = {};  ///< of before the run, for the summary
   /// Names of options of PETSc that something has read before the run, or reads in another one:
   /// they are not reported as read by nothing.
   std::set<std::string> read_options = {};

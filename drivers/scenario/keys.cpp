@@ -70,6 +70,19 @@ std::optional<double> number_of(const toml::node& node, const Range& range) {
   return std::isfinite(value) && range.contains(value) ? std::optional(value) : std::nullopt;
 }
 
+/// On the command line what is no TOML is taken as a word, and so is .05.
+std::string point_hint(const toml::node& node) {
+  const std::string text = node.value<std::string>().value_or("");
+  const auto digit = [&text](std::size_t at) {
+    return at < text.size() && text[at] >= '0' && text[at] <= '9';
+  };
+  for (std::size_t at = text.find('.'); at != std::string::npos; at = text.find('.', at + 1)) {
+    if (digit(at + 1) != (at > 0 && digit(at - 1)))
+      return "; TOML wants a digit on both sides of the point, as in 0.5";
+  }
+  return "";
+}
+
 /// Whatever the type, `convert` turns a node into a value, or into nothing if it is not `expected`.
 template <class T, class Value, class Convert>
 Key<T> make_key(std::string_view name, Value T::*member, std::string expected,
@@ -77,7 +90,7 @@ Key<T> make_key(std::string_view name, Value T::*member, std::string expected,
                 Convert convert) {
   auto read = [member, expected, convert](T& table, const toml::node& node) {
     auto value = convert(node);
-    if (!value) throw Complaint{"must be " + expected};
+    if (!value) throw Complaint{"must be " + expected + point_hint(node)};
     table.*member = *std::move(value);
   };
   auto write = [member](const T& table) { return written(table.*member); };
@@ -340,6 +353,9 @@ const std::vector<Key<RunLimits>>& run_keys() {
              "The run stops when a pair's axial distance is beyond this",
              "10, or in a shorter channel its length less 2, or half its length if that is more"),
       flag("until_decided", &R::until_decided, "Stop as soon as the verdict of a pair is certain"),
+      flag("stop_at_contact", &R::stop_at_contact,
+           "Stop when the surfaces of two bodies cross, which no force of the method prevents; "
+           "false: say so and go on"),
   };
   return keys;
 }

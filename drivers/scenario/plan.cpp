@@ -71,6 +71,12 @@ fluid::Options fluid_options(const ChannelOptions& channel, const FluidOptions& 
 
 }  // namespace
 
+bool Schedule::due(std::int64_t step, double interval) {
+  if (!(interval > 0)) return false;
+  const double nearest = std::round(static_cast<double>(step) / interval);
+  return std::llround(nearest * interval) == step;
+}
+
 Case planned(Scenario scenario) {
   const ChannelOptions& channel = scenario.channel;
   suspension::Plan plan;
@@ -87,8 +93,8 @@ Case planned(Scenario scenario) {
 
   const OutputOptions& output = scenario.output;
   const Schedule schedule{
-      units.lattice_steps(scenario.run.time_limit), units.lattice_steps(output.every),
-      units.lattice_steps(output.surfaces_every), units.lattice_steps(output.field_every)};
+      units.lattice_steps(scenario.run.time_limit), output.every * units.steps_per_time(),
+      output.surfaces_every * units.steps_per_time(), output.field_every * units.steps_per_time()};
   return {std::move(scenario), std::move(plan), schedule};
 }
 

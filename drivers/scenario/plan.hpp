@@ -8,12 +8,17 @@
 
 namespace ductile::drivers {
 
-/// When a run ends and what it writes on the way, in time steps; 0 is never.
+/// When a run ends and what it writes on the way, in time steps. Intervals are not whole: what is
+/// due every 0.05 W^2/nu is written at the steps nearest to 0.05, 0.1, 0.15 ..., at any resolution.
+/// 0 is never.
 struct Schedule {
   std::int64_t end = 0;
-  std::int64_t rows = 0;
-  std::int64_t surfaces = 0;
-  std::int64_t fields = 0;
+  double rows = 0;
+  double surfaces = 0;
+  double fields = 0;
+
+  /// Whether `step` is the nearest to a multiple of the interval.
+  static bool due(std::int64_t step, double interval);
 };
 
 /// A scenario and what it is in lattice units.

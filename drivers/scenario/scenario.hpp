@@ -92,6 +92,7 @@ struct RunLimits {
   double time_limit = 60;
   double stop_distance = 10;
   bool until_decided = true;
+  bool stop_at_contact = true;
   bool operator==(const RunLimits&) const = default;
 };
 

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "input_support.hpp"
 
@@ -157,7 +159,15 @@ TEST(Plan, TimesAreInStepsOfTheViscousTime) {
   const Plan s = plan();
   EXPECT_DOUBLE_EQ(s.units.steps_per_time(), 18.0 * 18 * 6);
   EXPECT_EQ(given().schedule.end, 60 * 1944);
-  EXPECT_EQ(given().schedule.rows, 97);
+  EXPECT_EQ(given().schedule.rows, 97.2);
+  // Rows at the steps nearest to 97.2, 194.4, 291.6, 388.8, 486.
+  std::vector<std::int64_t> rows;
+  for (std::int64_t step = 0; step < 500; ++step) {
+    if (Schedule::due(step, 97.2)) rows.push_back(step);
+  }
+  EXPECT_EQ(rows, (std::vector<std::int64_t>{0, 97, 194, 292, 389, 486}));
+  EXPECT_TRUE(Schedule::due(7, 0.3));
+  EXPECT_FALSE(Schedule::due(0, 0));
   EXPECT_EQ(given().schedule.surfaces, 972);
   EXPECT_EQ(given().schedule.fields, 0);
   EXPECT_EQ(s.units.lattice_steps(0.05), 97);

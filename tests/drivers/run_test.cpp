@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "checks/read_case.hpp"
 #include "run/signals.hpp"
@@ -100,6 +102,109 @@ TEST_F(Run, TwiceInOneProgramIsTwiceTheSame) {
   const std::string first = rows();
   EXPECT_GT(first.size(), 200U);
   EXPECT_EQ(rows(), first);
+}
+
+// A heavy sphere falls onto a light one that rises: they touch where their centres are 2 a apart.
+const std::string collision = R"(
+channel.nodes = 16
+channel.length = 5
+channel.reynolds = 0
+channel.gravity = [0, 0, -1000]
+run.time_limit = 0.5
+run.until_decided = false
+output.every = 0.001
+[[body]]
+name = "heavy"
+kind = "rigid"
+density_ratio = 2
+z = 0.7
+[[body]]
+name = "light"
+kind = "rigid"
+density_ratio = 0.5
+z = -0.7
+)";
+
+TEST_F(Run, EndsWhereSurfacesCross) {
+  const RunResult result = run(parse_case(collision, "collision.toml"));
+  EXPECT_EQ(result.exit_code, exit_contact);
+  ASSERT_TRUE(result.summary);
+  const Summary& summary = *result.summary;
+  EXPECT_EQ(summary.status, RunStatus::contact);
+  EXPECT_LT(summary.time, 0.5);
+  ASSERT_EQ(summary.contacts.size(), 1U);
+  const ContactSummary& contact = summary.contacts[0];
+  EXPECT_EQ(contact.body + " " + contact.other, "heavy light");
+  EXPECT_TRUE(contact.crossed);
+  EXPECT_EQ(contact.gap, 0);
+  EXPECT_EQ(contact.time, summary.time);
+  EXPECT_LT(contact.since, contact.time);
+  // A row at the very end. From look to look the spheres come nearer by what they move in 32 steps,
+  // and their triangles lie up to e^2/(6 a) within them, e = 1.2/8 W.
+  ASSERT_EQ(result.samples.back().time, summary.time);
+  const auto speed = [&](std::size_t b) { return result.samples.back().bodies[b].velocity().z(); };
+  const double between_looks = (speed(1) - speed(0)) * 32 * 3 * (1.0 / 64) / 6;
+  constexpr double within = 2 * 0.15 * 0.15 / (6 * 0.4);
+  EXPECT_LT(*summary.dz, 0.8);
+  EXPECT_GT(*summary.dz, 0.8 - 2 * within - between_looks);
+  EXPECT_EQ(std::ranges::count_if(summary.warnings,
+                                  [](const std::string& warning) {
+                                    return warning.find(
+                                               "surfaces of body \"heavy\" and body "
+                                               "\"light\" cross") != std::string::npos;
+                                  }),
+            1);
+}
+
+TEST_F(Run, GoesOnAfterACrossingWhereThatIsWanted) {
+  const RunResult result =
+      run(parse_case(collision, "collision.toml", {{"run.stop_at_contact", "false", "--set"}}));
+  EXPECT_EQ(result.exit_code, exit_success);
+  ASSERT_TRUE(result.summary);
+  EXPECT_EQ(result.summary->status, RunStatus::time_limit);
+  EXPECT_LT(*result.summary->dz, 0.7);
+  ASSERT_EQ(result.summary->contacts.size(), 1U);
+  EXPECT_TRUE(result.summary->contacts[0].crossed);
+  EXPECT_LT(result.summary->contacts[0].time, 0.5);
+}
+
+TEST_F(Run, EndsWhereABodyComesToAWall) {
+  const Case given = parse_case(R"(
+channel.nodes = 16
+channel.length = 3
+channel.reynolds = 0
+channel.gravity = [1000, 0, 0]
+output.surfaces_every = 0.5
+body = [{name = "stone", kind = "rigid", density_ratio = 2, x = 0.2}]
+)",
+                                "wall.toml");
+  const RunResult result = run(given);
+  EXPECT_EQ(result.exit_code, exit_contact);
+  ASSERT_TRUE(result.summary);
+  EXPECT_EQ(result.summary->status, RunStatus::contact);
+  EXPECT_FALSE(result.summary->blow_up);
+  EXPECT_NE(result.summary->contact_reason.find("body \"stone\", marker"), std::string::npos);
+  ASSERT_EQ(result.summary->contacts.size(), 1U);
+  EXPECT_EQ(result.summary->contacts[0].other, "the wall at x = 1");
+  EXPECT_LT(result.summary->contacts[0].gap_nodes, 1.5);
+  EXPECT_GT(result.summary->contacts[0].gap_nodes, 1.3);
+  EXPECT_EQ(result.samples.back().time, result.summary->time);
+}
+
+TEST_F(Run, ThatHasNoBodyHasOneHeaderAndRows) {
+  const RunResult result = run(
+      parse_case("channel.nodes = 8\nchannel.length = 2\nchannel.reynolds = 1\nrun.time_limit = 0.2\n", "empty.toml"));
+  EXPECT_EQ(result.exit_code, exit_success);
+  std::ifstream file(directory_ / "trajectory.csv");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "t[W^2/nu]");
+  std::vector<double> times;
+  while (std::getline(file, line)) times.push_back(std::stod(line));
+  ASSERT_EQ(times.size(), 5U);
+  // The step is 1/96: rows come at the steps nearest to 0.05, 0.1 ...
+  for (std::size_t n = 0; n < times.size(); ++n)
+    EXPECT_NEAR(times[n], 0.05 * static_cast<double>(n), 0.5 / 96 + 1e-12);
 }
 
 }  // namespace

@@ -262,7 +262,7 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"tau = 0.8\n", "case.toml:1:1: tau: unknown key; it belongs in [fluid]"},
       {"[run]\nxyzzy = 1\n",
        "case.toml:2:1: run.xyzzy: unknown key; the keys are time_limit, stop_distance, "
-       "until_decided"},
+       "until_decided, stop_at_contact"},
       {"[chanel]\nnodes = 36\n", "case.toml:1:2: chanel: unknown table; did you mean \"channel\"?"},
       {"[quantum]\n",
        "case.toml:1:2: quantum: unknown table; the tables are body, channel, fluid, membrane, "
@@ -490,6 +490,16 @@ TEST(Scenario, MistakesInOverridesAreCalledByTheirOption) {
       {set("channel.nodes", "abc"),
        "--set channel.nodes=abc: must be a whole number from 8 to 4096"},
       {set("channel.nodes", ""), "--set channel.nodes=: must be a whole number from 8 to 4096"},
+      {set("output.every", ".05"),
+       "--set output.every=.05: must be a number above 0 and at most 100000; TOML wants a digit on "
+       "both sides of the point, as in 0.5"},
+      {set("fluid.tau", "1."),
+       "--set fluid.tau=1.: must be a number above 0.5 and at most 1 (at 1/2 the viscosity "
+       "vanishes; above 1 capsules drift to wrong places); TOML wants a digit on both sides of the "
+       "point, as in 0.5"},
+      {set("channel.gravity", "[0, 0, -.5]"),
+       "--set channel.gravity=[0, 0, -.5]: must be an array of 3 numbers; TOML wants a digit on "
+       "both sides of the point, as in 0.5"},
       {set("channel.nodse", "48"), "--set channel.nodse=48: unknown key; did you mean \"nodes\"?"},
       {set("chanel.nodes", "48"),
        "--set chanel.nodes=48: unknown table; did you mean \"channel\"?"},
