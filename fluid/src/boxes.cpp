@@ -191,7 +191,11 @@ void FluidImpl::update_velocity() {
         const double* momentum = patch.momentum[axis].data() + first;
         const double* force = patch.force[axis].data() + first;
         const double* density = patch.density.data() + first;
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
         for (int k = 0; k < patch.size[2]; ++k) {
           u[k] = (momentum[k] + 0.5 * force[k]) / density[k];
         }
