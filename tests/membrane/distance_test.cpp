@@ -76,7 +76,7 @@ TEST(Distance, DoesNotDependOnReachAndGoesAlongWithShiftAndRotation) {
   for (int n = 0; n < 24; ++n) {
     const Eigen::Matrix3d first = random.rotation();
     const Eigen::Matrix3d second = random.rotation();
-    const Vector3d apart = (5 + 4 * random()) * random.vector().normalized();
+    const Vector3d apart = (6.5 + 1.5 * random()) * random.vector().normalized();
     const Placed a(cell, first, nowhere);
     const Placed b(cell, second, apart);
     const double found = distance(a.view(), b.view(), nowhere, 2);
