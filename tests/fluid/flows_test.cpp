@@ -191,6 +191,41 @@ INSTANTIATE_TEST_SUITE_P(Kinds, DuctWalls,
                            return test.param == Boundary::halfway ? "Halfway" : "Regularized";
                          });
 
+// The mean density less one, and that over the nodes that are on no wall.
+std::array<double, 2> mean_densities(Fluid& fluid) {
+  const auto& n = fluid.options().nodes;
+  const double volume = (n[0] - 1) * (n[1] - 1) * n[2];
+  const Field field = fields(fluid);
+  double sum = 0;
+  std::size_t m = 0;
+  for (int i = 0; i < n[0]; ++i) {
+    for (int j = 0; j < n[1]; ++j) {
+      const bool inside = i > 0 && i < n[0] - 1 && j > 0 && j < n[1] - 1;
+      for (int k = 0; k < n[2]; ++k, ++m) sum += inside ? field.density[m] - 1 : 0;
+    }
+  }
+  return {fluid.totals().mass / volume, sum / ((n[0] - 2) * (n[1] - 2) * n[2])};
+}
+
+// Over 200 W^2/nu no mass passes walls on nodes, not at the edges either, and the pressure in the
+// fluid stays where it is.
+TEST(Duct, WallsOnNodesKeepMassAndPressure) {
+  for (const int aspect : {1, 2}) {
+    const Duct d = duct(15, aspect, 1.0, Boundary::regularized, Collision::bgk);
+    Fluid fluid(MPI_COMM_WORLD, d.options);
+    fluid.initialise([&](int i, int j, int) { return developed(d, i, j); });
+    const double unit = 15 * 15 / 4.0 / fluid.viscosity();
+    EXPECT_EQ(mean_densities(fluid)[0], 0);
+    while (static_cast<double>(fluid.time()) < 10 * unit) fluid.step();
+    const auto [mass_before, inside_before] = mean_densities(fluid);
+    while (static_cast<double>(fluid.time()) < 200 * unit) fluid.step();
+    const auto [mass, inside] = mean_densities(fluid);
+    EXPECT_NEAR(mass, 0, 1e-13) << aspect;
+    EXPECT_NEAR(mass, mass_before, 1e-13) << aspect;
+    EXPECT_NEAR(inside, inside_before, 1e-12) << aspect;
+  }
+}
+
 // With magic = 3/16 half-way walls lie half-way at any tau.
 TEST(Duct, TwoRelaxationTimesWithTheMagicNumberDoNotSlip) {
   const double bgk = duct_error(16, 1, 1.0, Boundary::halfway);

@@ -184,6 +184,58 @@ TEST(Fluid, ClosedWallsKeepMass) {
   EXPECT_NEAR(fluid.totals().mass, before, 1e-12);
 }
 
+struct Vessel {
+  const char* name;
+  std::array<Boundary, 3> boundary;
+  Mirror mirror = Mirror::none;
+};
+
+class OnNodes : public testing::TestWithParam<Vessel> {};
+
+// No mass passes a wall on nodes, whatever the flow: unsteady, in all directions, compressible,
+// with forces, along moving walls, at edges and where other walls and mirror planes are met.
+TEST_P(OnNodes, NoMassPassesTheWalls) {
+  for (const Collision collision : {Collision::bgk, Collision::trt}) {
+    Options o;
+    o.nodes = {7, 6, 9};
+    o.boundary = GetParam().boundary;
+    o.mirror = GetParam().mirror;
+    const bool mirrored = o.mirror != Mirror::none;
+    o.collision = collision;
+    o.tau = 0.7;
+    o.force = {1e-4, mirrored ? 0 : -2e-4, 3e-4};
+    if (o.boundary[0] != periodic) {
+      o.wall_velocity[0] = {Eigen::Vector3d(0, mirrored ? 0 : 0.02, 0.02),
+                            Eigen::Vector3d(0, 0, -0.03)};
+    }
+    if (o.boundary[1] != periodic) o.wall_velocity[1][1] = {-0.03, 0, 0.01};
+    if (o.boundary[2] != periodic) o.wall_velocity[2][0] = {0.01, 0, 0};
+    Fluid fluid(MPI_COMM_WORLD, o);
+    fluid.initialise([&](int i, int j, int k) {
+      NodeState s = wavy(o, i, j, k);
+      if (o.mirror == Mirror::on_node && j == 0) s.velocity.y() = 0;
+      return s;
+    });
+    const double before = fluid.totals().mass;
+    for (int n = 1; n <= 200; ++n) {
+      fluid.step();
+      ASSERT_NEAR(fluid.totals().mass, before, 2e-13) << "step " << n;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Walls, OnNodes,
+    testing::Values(
+        Vessel{"plates", {regularized, periodic, periodic}},
+        Vessel{"duct", {regularized, regularized, periodic}},
+        Vessel{"closed", {regularized, regularized, halfway}},
+        Vessel{"mixed", {halfway, regularized, halfway}},
+        Vessel{"mirror_between", {regularized, regularized, periodic}, Mirror::between_nodes},
+        Vessel{"mirror_on_node", {regularized, regularized, periodic}, Mirror::on_node},
+        Vessel{"mirror_closed", {regularized, halfway, halfway}, Mirror::on_node}),
+    [](const auto& test) { return test.param.name; });
+
 TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
   Options o;
   o.nodes = {8, 8, 8};
