@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "analysis/contacts.hpp"
@@ -20,12 +21,40 @@ using suspension::Plan;
 constexpr double trusted_gap = 4;  // below it the flow in the gap is not resolved
 constexpr double sound_mach = 0.15;
 constexpr double smallest_radius = 4;  // lattice spacings
+constexpr double sound_lead = 0.01;    // of waves of length 2 a, of the flow's velocity
 
 /// What lowers the largest part of a load.
 std::string_view cure(const StabilityLoad& load) {
   if (load.volume >= std::max(load.shear, load.bending)) return "lower volume_modulus or fluid.tau";
   if (load.bending > load.shear) return "raise edge or lower bending, mobility or fluid.tau";
   return "lower laplace or fluid.tau";
+}
+
+/// By what part of the flow's velocity U waves of wave number k run ahead of it, over k^2:
+/// doc/equations.md, "Galilean invariance". In bgk magic is (tau - 1/2)^2.
+constexpr double lead_of_waves(double tau, double magic) {
+  return 2.0 / 3 * ((tau - 0.5) * (tau - 0.5) - (23 * magic + 1) / 35);
+}
+
+/// Of bgk nothing is said: `keys` bound its tau so that it carries waves well enough.
+void warn_of_collision(const Plan& plan, std::vector<std::string>& list) {
+  const double tau = plan.fluid.tau;
+  const double magic = plan.fluid.magic;
+  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty()) return;
+  const auto radius_of = [](const suspension::BodyPlan& body) { return body.shape->radius(); };
+  const auto smallest = std::ranges::min_element(plan.bodies, {}, radius_of);
+  const double radius = radius_of(*smallest);
+  constexpr double most_of_bgk = lead_of_waves(1, 0.25);
+  const double lead = lead_of_waves(tau, magic) * std::pow(std::numbers::pi / radius, 2);
+  if (std::abs(lead_of_waves(tau, magic)) <= most_of_bgk || std::abs(lead) <= sound_lead) return;
+  list.push_back(fmt::format(
+      "trt with tau_odd = {:.3g} carries what is as small as {} {:.1f}% too {}, which shifts "
+      "positions across the channel by a like part, more than bgk does: take fluid.collision = "
+      "\"bgk\", fluid.tau = {:.2g} or channel.nodes = {}",
+      0.5 + magic / (tau - 0.5),
+      body_name(plan, static_cast<std::size_t>(smallest - plan.bodies.begin())),
+      100 * std::abs(lead), lead > 0 ? "fast" : "slowly", 0.5 + std::sqrt((23 * magic + 1) / 35),
+      nodes_for_gap(plan, radius, radius * std::sqrt(std::abs(lead) / sound_lead))));
 }
 
 void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
@@ -118,6 +147,7 @@ std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
   const Plan& plan = given.plan;
   std::vector<std::string> list;
   warn_of_flow(plan, list);
+  warn_of_collision(plan, list);
   for (std::size_t i = 0; i < plan.bodies.size(); ++i) warn_of_body(plan, i, models, list);
   const double installed =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));

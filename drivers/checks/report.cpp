@@ -47,7 +47,10 @@ void add_channel(Lines& lines, const Case& given) {
       "fluid",
       fmt::format("tau = {}, nu = {:.6g}, {}, populations in {} precision", plan.fluid.tau,
                   plan.units.viscosity(),
-                  plan.fluid.collision == fluid::Collision::bgk ? "bgk" : "trt",
+                  plan.fluid.collision == fluid::Collision::bgk
+                      ? "bgk"
+                      : fmt::format("trt (tau_odd = {:.4g})",
+                                    0.5 + plan.fluid.magic / (plan.fluid.tau - 0.5)),
                   plan.fluid.storage == fluid::Storage::double_precision ? "double" : "single"));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));

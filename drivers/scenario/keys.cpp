@@ -244,8 +244,10 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
       choice<F, fluid::Collision>("collision", &F::collision,
                                   {{"bgk", fluid::Collision::bgk}, {"trt", fluid::Collision::trt}},
                                   "Collision operator: one relaxation time, or two"),
-      number("magic", &F::magic, above(0, 10), "",
-             "Of trt: (tau - 1/2)(tau_odd - 1/2); 3/16 puts half-way walls exactly half way"),
+      number("magic", &F::magic, above(0, 0.25), "",
+             "Of trt: (tau - 1/2)(tau_odd - 1/2); 3/16 puts half-way walls exactly half way, "
+             "(tau - 1/2)^2 is bgk",
+             "", " (above 1/4 bodies drift to wrong places)"),
       choice<F, fluid::Storage>("storage", &F::storage,
                                 {{"double", fluid::Storage::double_precision},
                                  {"single", fluid::Storage::single_precision}},

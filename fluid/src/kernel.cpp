@@ -266,30 +266,17 @@ template <bool local, int N>
   return f;
 }
 
-// Whether the population along `sign` e_p comes out of a wall of normal (nx, ny), in x or in y, and
-// so is unknown.
+// Of the population along `sign` e_p that arrives at a wall of normal (nx, ny), in x and in y:
+// (1 - c.n_x)(1 - c.n_y), how often a wall's density counts it. 0 for those that would come out of
+// the wall and are unknown, 1 for those along it; from the fluid 2, at the edge of two walls 4.
 template <int p, int sign, int nx, int ny>
-constexpr bool leaves_wall = sign* ex<p>* nx > 0 || sign* ey<p>* ny > 0;
+constexpr int counted = (1 - sign * nx * ex<p>)*(1 - sign * ny * ey<p>);
 
-// Sum over the known populations of the equilibrium at unit density and velocity u.
-template <int nx, int ny>
-double known_equilibrium(double x, double y, double z) {
-  const double uu = 1.5 * (x * x + y * y + z * z);
-  double sum = d3q19::w(0) * (1 - uu);
-  for_pairs([&]<int p>() {
-    const double cu = along<p>(x, y, z);
-    const double even = 1 + 4.5 * cu * cu - uu;
-    if constexpr (!leaves_wall<p, 1, nx, ny>) sum += weight<p> * (even + 3 * cu);
-    if constexpr (!leaves_wall<p, -1, nx, ny>) sum += weight<p> * (even - 3 * cu);
-  });
-  return sum;
-}
-
-// Latt et al. 2008. On a face the density follows from the known populations and the wall's
-// velocity; the unknown ones take the non-equilibrium part of their opposites; then all are rebuilt
-// from density, velocity and the non-equilibrium stress. On an edge of the duct both walls hold the
-// fluid, so that the velocity gradient vanishes, and with it that stress: the populations are the
-// equilibrium's, and the known ones give the density.
+// Latt et al. 2008. The density follows from the known populations, so that no mass passes the wall
+// (doc/equations.md). On a face the unknown ones take the non-equilibrium part of their opposites;
+// then all are rebuilt from density, velocity and the non-equilibrium stress. On an edge of the
+// duct both walls hold the fluid, so that the velocity gradient vanishes, and with it that stress:
+// the populations are the equilibrium's.
 // Half of Guo's forcing term is taken off, as in the bulk, so that the velocity of eq. (6) is the
 // wall's.
 template <int nx, int ny>
@@ -297,64 +284,74 @@ struct WallRule {
   static constexpr bool edge = nx != 0 && ny != 0;
   double u[3];
   double f[3];
-  double edge_norm;     // of the density on an edge: 1/known_equilibrium(u)
-  double known_weight;  // there, of the known populations
 
   WallRule(const RowForce& force, const RowWall& wall)
       : u{wall.velocity[0], wall.velocity[1], wall.velocity[2]},
-        f{force.uniform[0], force.uniform[1], force.uniform[2]},
-        edge_norm(1 / known_equilibrium<nx, ny>(u[0], u[1], u[2])),
-        known_weight(known_equilibrium<nx, ny>(0, 0, 0)) {}
+        f{force.uniform[0], force.uniform[1], force.uniform[2]} {}
+
+  template <int N>
+  struct Known {
+    Lanes<N> rest;
+    Lanes<N> plus[pairs];
+    Lanes<N> minus[pairs];
+  };
+
+  template <int N, class Real>
+  [[gnu::always_inline]] static Known<N> load_known(const Row<Real>& row, int k) {
+    Known<N> known;  // NOLINT(cppcoreguidelines-pro-type-member-init): the unknown are not read
+    known.rest = load<N>(row.rest + k);
+    for_pairs([&]<int p>() __attribute__((always_inline)) {
+      if constexpr (counted<p, 1, nx, ny> != 0) known.plus[p] = load<N>(row.plus[p] + k);
+      if constexpr (counted<p, -1, nx, ny> != 0) known.minus[p] = load<N>(row.minus[p] + k);
+    });
+    return known;
+  }
+
+  // rho = sum_known (1 - c.n_x)(1 - c.n_y) f - F.(n_x + n_y)/2, with u.n = 0 for either wall. Both
+  // of a pair are known only if they run along the wall, and then each counts once.
+  template <int N>
+  [[gnu::always_inline]] Lanes<N> density_less_one(const Known<N>& known) const {
+    Lanes<N> drho = known.rest - 0.5 * (nx * f[0] + ny * f[1]);
+    for_pairs([&]<int p>() __attribute__((always_inline)) {
+      constexpr int a = counted<p, 1, nx, ny>;
+      constexpr int b = counted<p, -1, nx, ny>;
+      if constexpr (a > 0 && b > 0) {
+        drho += known.plus[p] + known.minus[p];
+      } else if constexpr (a > 0) {
+        drho += double{a} * known.plus[p];
+      } else if constexpr (b > 0) {
+        drho += double{b} * known.minus[p];
+      }
+    });
+    return drho;
+  }
 
   template <int N, class Real>
   [[gnu::always_inline]] void collide_nodes(const Row<Real>& row, int k,
                                             const Relaxation& relaxation) const {
     Nodes<N> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
-    const Lanes<N> rest = load<N>(row.rest + k);
-    Lanes<N> plus[pairs];
-    Lanes<N> minus[pairs];
-    for_pairs([&]<int p>() __attribute__((always_inline)) {
-      if constexpr (!leaves_wall<p, 1, nx, ny>) plus[p] = load<N>(row.plus[p] + k);
-      if constexpr (!leaves_wall<p, -1, nx, ny>) minus[p] = load<N>(row.minus[p] + k);
-    });
+    const Known<N> known = load_known<N>(row, k);
     const double uu = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    Lanes<N> drho = rest;
+    const Lanes<N> drho = density_less_one<N>(known);
+    const Lanes<N> rho = 1.0 + drho;
     Lanes<N> pxx{};
     Lanes<N> pyy{};
     Lanes<N> pzz{};
     Lanes<N> pxy{};
     Lanes<N> pxz{};
     Lanes<N> pyz{};
-    if constexpr (edge) {
-      for_pairs([&]<int p>() __attribute__((always_inline)) {
-        if constexpr (!leaves_wall<p, 1, nx, ny>) drho += plus[p];
-        if constexpr (!leaves_wall<p, -1, nx, ny>) drho += minus[p];
-      });
-      drho = (drho + known_weight) * edge_norm - 1.0;
-    } else {
-      // rho = sum_parallel f + 2 sum_towards f - F.n/2, with u.n = 0
-      drho -= 0.5 * (nx * f[0] + ny * f[1]);
-      for_pairs([&]<int p>() __attribute__((always_inline)) {
-        if constexpr (leaves_wall<p, 1, nx, ny>) {
-          drho += 2.0 * minus[p];
-        } else if constexpr (leaves_wall<p, -1, nx, ny>) {
-          drho += 2.0 * plus[p];
-        } else {
-          drho += plus[p] + minus[p];
-        }
-      });
-      const Lanes<N> rho = 1.0 + drho;
+    if constexpr (!edge) {
       for_pairs([&]<int p>() __attribute__((always_inline)) {
         const double cu = along<p>(u[0], u[1], u[2]);
         const Lanes<N> even = weight<p> * (drho + rho * (4.5 * cu * cu - uu));
         const Lanes<N> odd = (weight<p> * 3 * cu) * rho;
         Lanes<N> t;  // non-equilibrium of both populations of the pair
-        if constexpr (leaves_wall<p, 1, nx, ny>) {
-          t = 2.0 * (minus[p] - (even - odd));
-        } else if constexpr (leaves_wall<p, -1, nx, ny>) {
-          t = 2.0 * (plus[p] - (even + odd));
+        if constexpr (counted<p, 1, nx, ny> == 0) {
+          t = 2.0 * (known.minus[p] - (even - odd));
+        } else if constexpr (counted<p, -1, nx, ny> == 0) {
+          t = 2.0 * (known.plus[p] - (even + odd));
         } else {
-          t = (plus[p] + minus[p]) - 2.0 * even;
+          t = (known.plus[p] + known.minus[p]) - 2.0 * even;
         }
         add<ex<p> * ex<p>>(pxx, t);
         add<ey<p> * ey<p>>(pyy, t);
@@ -364,7 +361,6 @@ struct WallRule {
         add<ey<p> * ez<p>>(pyz, t);
       });
     }
-    const Lanes<N> rho = 1.0 + drho;
     const Lanes<N> trace = (pxx + pyy + pzz) * (1.0 / 3);
     nodes.rest = d3q19::w(0) * (drho - rho * uu - 4.5 * trace);
     for_pairs([&]<int p>() __attribute__((always_inline)) {
@@ -458,6 +454,27 @@ void collide(const Row<Real>& row, int begin, int end, const Relaxation& relaxat
   }
 }
 
+// Calls f<nx, ny>() with the wall's normal.
+template <class F>
+void for_wall(const RowWall& wall, F&& f) {
+  const auto with_y = [&]<int nx>() {
+    if (wall.normal[1] < 0) {
+      f.template operator()<nx, -1>();
+    } else if (wall.normal[1] > 0) {
+      f.template operator()<nx, 1>();
+    } else if constexpr (nx != 0) {
+      f.template operator()<nx, 0>();
+    }
+  };
+  if (wall.normal[0] < 0) {
+    with_y.template operator()<-1>();
+  } else if (wall.normal[0] > 0) {
+    with_y.template operator()<1>();
+  } else {
+    with_y.template operator()<0>();
+  }
+}
+
 template <int nx, int ny, class Real>
 void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
                       const RowForce& force, const RowWall& wall) {
@@ -471,25 +488,28 @@ void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
 template <class Real>
 void collide_wall(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
                   const RowForce& force, const RowWall& wall) {
-  const auto run = [&]<int nx, int ny>() {
+  for_wall(wall, [&]<int nx, int ny>() {
     collide_wall_row<nx, ny>(row, begin, end, relaxation, force, wall);
-  };
-  const auto with_y = [&]<int nx>() {
-    if (wall.normal[1] < 0) {
-      run.template operator()<nx, -1>();
-    } else if (wall.normal[1] > 0) {
-      run.template operator()<nx, 1>();
-    } else if constexpr (nx != 0) {
-      run.template operator()<nx, 0>();
-    }
-  };
-  if (wall.normal[0] < 0) {
-    with_y.template operator()<-1>();
-  } else if (wall.normal[0] > 0) {
-    with_y.template operator()<1>();
-  } else {
-    with_y.template operator()<0>();
-  }
+  });
+}
+
+template <int nx, int ny, class Real>
+void wall_density_row(Row<Real> row, int begin, int end, const RowForce& force, const RowWall& wall,
+                      double* density) {
+  const WallRule<nx, ny> rule(force, wall);
+  for_nodes_ahead(
+      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
+        store<N>(density + k,
+                 rule.template density_less_one<N>(rule.template load_known<N>(row, k)));
+      });
+}
+
+template <class Real>
+void wall_density(const Row<Real>& row, int begin, int end, const RowForce& force,
+                  const RowWall& wall, double* density) {
+  for_wall(wall, [&]<int nx, int ny>() {
+    wall_density_row<nx, ny>(row, begin, end, force, wall, density);
+  });
 }
 
 template <class Real>
@@ -537,8 +557,8 @@ namespace DUCTILE_INSTRUCTION_SET {
 
 template <class Real>
 const Kernel<Real>& kernel() {
-  static constexpr Kernel<Real> functions = {collide<Real>, collide_wall<Real>, moments<Real>,
-                                             stream<Real>};
+  static constexpr Kernel<Real> functions = {collide<Real>, collide_wall<Real>, wall_density<Real>,
+                                             moments<Real>, stream<Real>};
   return functions;
 }
 template const Kernel<double>& kernel();

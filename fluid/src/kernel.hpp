@@ -31,7 +31,7 @@ struct RowForce {
 };
 
 /// A regularized wall on the row: which way its normal points into the fluid, in x and y (-1, 0, 1;
-/// both at the duct's edges), and its velocity.
+/// both at the duct's edges), and its velocity, which has no component along the normals.
 struct RowWall {
   int normal[2];
   double velocity[3];
@@ -48,8 +48,10 @@ struct Kernel {
   /// 2008. Local forces are not read.
   void (*collide_wall)(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
                        const RowForce& force, const RowWall& wall);
-  /// Density less one and momentum, without any force; on a wall row those of the populations as
-  /// they are.
+  /// Density less one on a regularized wall, of the populations that collide_wall() will make.
+  void (*wall_density)(const Row<Real>& row, int begin, int end, const RowForce& force,
+                       const RowWall& wall, double* density);
+  /// Density less one and momentum, without any force; not for rows on a regularized wall.
   void (*moments)(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
                   double* z);
   /// The loads and stores of a collision without the collision: populations change places.

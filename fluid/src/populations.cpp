@@ -82,6 +82,7 @@ class Populations final : public FluidImpl {
   void arrive(const Row<Real>& row, int x, int y);
   void depart(const Row<Real>& row, int x, int y);
   void fetch_ends(int x, int y);
+  [[nodiscard]] RowForce uniform_force() const;
   void collide_row(const Row<Real>& row, int x, int y);
   // The row's populations complete, as of now.
   Row<Real> complete_row(int x, int y);
@@ -205,12 +206,17 @@ void Populations<Real>::depart(const Row<Real>& row, int x, int y) {
   }
 }
 
+template <class Real>
+RowForce Populations<Real>::uniform_force() const {
+  return {{options_.force[0], options_.force[1], options_.force[2]},
+          {nullptr, nullptr, nullptr},
+          {nullptr, nullptr, nullptr}};
+}
+
 // The forces of patches that meet the row act and are used up, and the velocity is left there.
 template <class Real>
 void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
-  const RowForce uniform{{options_.force[0], options_.force[1], options_.force[2]},
-                         {nullptr, nullptr, nullptr},
-                         {nullptr, nullptr, nullptr}};
+  const RowForce uniform = uniform_force();
   if (const RowWall* wall = slab_of_.wall(x, y)) {
     kernel_.collide_wall(row, 0, slab_of_.planes(), relaxation_, uniform, *wall);
     return;
@@ -404,14 +410,19 @@ template <class Real>
 void Populations<Real>::read_row(int x, int y, double* density,
                                  const std::array<double*, 3>& velocity) {
   const int planes = slab_of_.planes();
-  kernel_.moments(complete_row(x, y), 0, planes, density, velocity[0], velocity[1], velocity[2]);
-  const RowWall* wall = slab_of_.wall(x, y);
+  const Row<Real> row = complete_row(x, y);
+  if (const RowWall* wall = slab_of_.wall(x, y)) {
+    kernel_.wall_density(row, 0, planes, uniform_force(), *wall, density);
+    for (int k = 0; k < planes; ++k) density[k] += 1;
+    for (std::size_t a = 0; a < 3; ++a) std::fill_n(velocity[a], planes, wall->velocity[a]);
+    return;
+  }
+  kernel_.moments(row, 0, planes, density, velocity[0], velocity[1], velocity[2]);
   for (int k = 0; k < planes; ++k) {
     density[k] += 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double half_force = 0.5 * options_.force[static_cast<Eigen::Index>(axis)];
-      velocity[axis][k] =
-          wall != nullptr ? wall->velocity[axis] : (velocity[axis][k] + half_force) / density[k];
+      velocity[axis][k] = (velocity[axis][k] + half_force) / density[k];
     }
   }
 }
@@ -443,7 +454,7 @@ std::vector<double> Populations<Real>::plane_sums() {
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) {
       read_row(x, y, row.data(), {&row[planes], &row[2 * planes], &row[3 * planes]});
-      const double share = options_.mirror == Mirror::on_node && y == 0 ? 0.5 : 1;
+      const double share = slab_of_.share(x, y);
       for (std::size_t k = 0; k < planes; ++k) {
         sums[4 * k] += share * (row[k] - 1);
         for (std::size_t axis = 1; axis < 4; ++axis) {

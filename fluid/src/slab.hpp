@@ -104,6 +104,15 @@ class Slab {
     const auto& wall = walls_[kind(x, y)];
     return wall ? &*wall : nullptr;
   }
+  /// The part of the cells around the column's nodes that is fluid: half on a regularized wall and
+  /// on a mirror plane, a quarter where two of these meet.
+  [[nodiscard]] double share(int x, int y) const {
+    double share = mirror_ == Mirror::on_node && y == 0 ? 0.5 : 1;
+    if (const RowWall* on = wall(x, y)) {
+      for (const int normal : on->normal) share *= normal != 0 ? 0.5 : 1;
+    }
+    return share;
+  }
 
  private:
   static constexpr std::ptrdiff_t line_ = 64 / sizeof(Real);
@@ -209,7 +218,11 @@ void Slab<Real>::find_walls(const Options& options) {
         ++count;
       }
       if (count == 0) continue;
-      velocity /= count;  // on an edge, the mean of the two walls'
+      // On an edge the mean of the two walls' velocities, less what would cross one of them.
+      velocity /= count;
+      for (const Eigen::Index axis : {0, 1}) {
+        if (wall.normal[axis] != 0) velocity[axis] = 0;
+      }
       std::copy_n(velocity.data(), 3, wall.velocity);
       walls_[kind(x, y)] = wall;
     }

@@ -321,6 +321,9 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[fluid]\ntau = nan\n",
        "case.toml:2:7: fluid.tau = nan: must be a number above 0.5 and at most 1 (at 1/2 the "
        "viscosity vanishes; above 1 capsules drift to wrong places)"},
+      {"[fluid]\nmagic = 0.26\n",
+       "case.toml:2:9: fluid.magic = 0.26: must be a number above 0 and at most 0.25 (above 1/4 "
+       "bodies drift to wrong places)"},
       {"[run]\ntime_limit = 0\n",
        "case.toml:2:14: run.time_limit = 0: must be a number above 0 and at most 100000"},
       {"[run]\nstop_distance = inf\n",

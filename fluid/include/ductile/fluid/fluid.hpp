@@ -68,11 +68,14 @@ struct NodeState {
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
 };
 
-/// Sums over all nodes; the same to the last bit on any number of ranks. With a mirror plane those
-/// of the half above it: nodes on the plane count half.
+/// Integrals over the fluid's volume as sums over its nodes, the same to the last bit on any number
+/// of ranks: nodes on a regularized wall count half, as the wall halves the cell around them, and a
+/// quarter on the edge of two. With a mirror plane they are those of the half above it: nodes on
+/// the plane count half.
 struct Totals {
-  double mass = 0;                                     ///< sum of rho - 1
-  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< sum of rho u, half the uniform force in
+  /// of rho - 1; constant but for round-off, whatever the walls (doc/equations.md)
+  double mass = 0;
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< of rho u, half the uniform force in
   [[nodiscard]] bool finite() const;
 };
 
@@ -167,8 +170,8 @@ class Fluid {
 
   /// Density and velocity (half of the uniform force in) of the own slab: nx ny nz_own numbers,
   /// x, y, z with z fastest; velocity holds three such arrays, one a component. On the nodes of a
-  /// regularized wall the velocity is the wall's, and the density the sum of the populations as
-  /// they have arrived, before the wall's rule replaces them. Collective.
+  /// regularized wall they are what the wall's rule makes them; on the edge of two the velocity is
+  /// the mean of theirs along the edge. Collective.
   void fields(std::span<double> density, std::span<double> velocity);
   /// Collective.
   Totals totals();
