@@ -31,18 +31,55 @@ using suspension::SurfaceState;
 constexpr const char* data_name = "run.h5";
 constexpr const char* description_name = "run.xdmf";
 
-/// Components with z fastest -> one array with x fastest, components interlaced: the order of
-/// XDMF's and VTK's regular meshes.
-std::vector<float> x_fastest(const std::array<std::size_t, 3>& nodes,
+constexpr const char* channel_name = "channel";
+constexpr const char* fluid_name = "fluid";
+
+/// A quantity that lives on the nodes of a grid: dataset, and unit as users read it.
+struct Field {
+  const char* name;
+  const char* unit;
+};
+constexpr Field position_field = {"position", "W"};
+constexpr Field velocity_field = {"velocity", "nu/W"};
+constexpr Field force_field = {"force", "rho*nu^2"};
+constexpr Field density_field = {"density", "rho"};
+constexpr Field time_field = {"t", "W^2/nu"};
+constexpr Field size_field = {"size", "W"};
+
+/// The grid on which fluid is shown: the lattice with its images below a mirror plane, and with
+/// the plane at the end of the period.
+struct FluidGrid {
+  explicit FluidGrid(const FluidLattice& lattice)
+      : below(lattice.mirror == fluid::Mirror::none      ? 0
+              : lattice.mirror == fluid::Mirror::on_node ? lattice.nodes[1] - 1
+                                                         : lattice.nodes[1]),
+        nodes{lattice.nodes[0], lattice.nodes[1] + below, lattice.nodes[2] + 1},
+        origin(lattice.origin -
+               lattice.spacing * static_cast<double>(below) * Eigen::Vector3d::UnitY()) {}
+
+  std::size_t below;  // nodes along y that are images
+  std::array<std::size_t, 3> nodes;
+  Eigen::Vector3d origin;
+};
+
+/// Components with z fastest, of the lattice -> one array with x fastest, components interlaced,
+/// of the grid: the order of XDMF's and VTK's regular meshes. Of vectors the image has y reversed.
+std::vector<float> x_fastest(const FluidLattice& lattice,
                              std::span<const std::span<const double>> components) {
-  const auto [nx, ny, nz] = nodes;
+  const FluidGrid grid(lattice);
+  const auto [nx, ny, nz] = grid.nodes;
   std::vector<float> values(nx * ny * nz * components.size());
   std::size_t target = 0;
   for (std::size_t k = 0; k < nz; ++k) {
     for (std::size_t j = 0; j < ny; ++j) {
+      const bool image = j < grid.below;
+      const std::size_t row = image ? lattice.nodes[1] - 1 - j : j - grid.below;
       for (std::size_t i = 0; i < nx; ++i) {
-        for (const auto& component : components) {
-          values[target++] = static_cast<float>(component[(i * ny + j) * nz + k]);
+        const std::size_t node =
+            (i * lattice.nodes[1] + row) * lattice.nodes[2] + k % lattice.nodes[2];
+        for (std::size_t c = 0; c < components.size(); ++c) {
+          const double sign = image && components.size() == 3 && c == 1 ? -1 : 1;
+          values[target++] = static_cast<float>(sign * components[c][node]);
         }
       }
     }
@@ -62,61 +99,109 @@ std::string xdmf_item(std::string_view dimensions, std::string_view type, int pr
       dimensions, type, precision, data_name, dataset);
 }
 
-std::string xdmf_attribute(std::string_view name, std::string_view kind, std::string_view item) {
+std::string xdmf_values(int count, std::string_view values) {
   return fmt::format(
-      "        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", name,
-      kind, item);
+      R"(<DataItem Dimensions="{}" NumberType="Float" Precision="8" Format="XML">{}</DataItem>)",
+      count, values);
 }
 
+/// Readers show names and nothing else, so the unit is in the name.
+std::string xdmf_attribute(const Field& field, std::string_view kind, std::string_view item,
+                           std::string_view centre = "Node") {
+  return fmt::format(
+      "          <Attribute Name=\"{} [{}]\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
+      field.name, field.unit, kind, centre, item);
+}
+
+// One of ParaView's readers shows the name of the temporal collection around the frames of a block,
+// the other that of the innermost grid, which it numbers unless the collection in between has no
+// name.
 std::string xdmf_grid(std::string_view name, double time, std::string_view content) {
   return fmt::format(
-      "      <Grid Name=\"{}\" GridType=\"Uniform\">\n        <Time Value=\"{}\"/>\n{}"
-      "      </Grid>\n",
-      name, time, content);
+      "      <Grid GridType=\"Collection\" CollectionType=\"Spatial\">\n"
+      "        <Time Value=\"{0}\"/>\n"
+      "        <Grid Name=\"{1}\" GridType=\"Uniform\">\n"
+      "          <Time Value=\"{0}\"/>\n{2}"
+      "        </Grid>\n      </Grid>\n",
+      time, name, content);
 }
 
 std::string frame_path(std::size_t frame) {
   return fmt::format("/frames/{:06}", frame);
 }
 
+// As lines, which hide nothing behind them. Time and size are data of the grid as a whole.
+std::string xdmf_channel(const Channel& channel, double time) {
+  const std::string content =
+      "          <Topology TopologyType=\"Polyline\" NodesPerElement=\"2\" "
+      "NumberOfElements=\"12\">" +
+      xdmf_item("12 2", "Int", 4, "/channel/edges") +
+      "</Topology>\n          <Geometry GeometryType=\"XYZ\">" +
+      xdmf_item("8 3", "Float", 8, "/channel/corners") + "</Geometry>\n" +
+      xdmf_attribute(time_field, "Scalar", xdmf_values(1, fmt::format("{}", time)), "Grid") +
+      xdmf_attribute(
+          size_field, "Vector",
+          xdmf_values(3, fmt::format("2 {} {}", 2 * channel.half_width_y, channel.length)), "Grid");
+  return xdmf_grid(channel_name, time, content);
+}
+
 std::string xdmf_surface(const SurfaceMesh& mesh, const SurfaceState& state, std::size_t frame,
                          double time) {
-  const std::string data = fmt::format("{}/{}", frame_path(frame), mesh.name);
+  const std::string data = fmt::format("{}/{}/", frame_path(frame), mesh.name);
   const std::string shape = fmt::format("{} 3", mesh.vertices);
   std::string content = fmt::format(
-      "        <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n"
-      "        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      "          <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n"
+      "          <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
       mesh.triangles.size(),
       xdmf_item(fmt::format("{} 3", mesh.triangles.size()), "Int", 4,
                 fmt::format("/bodies/{}/triangles", mesh.name)),
-      xdmf_item(shape, "Float", 8, data + "/position"));
-  for (const auto& [name, values] :
-       {std::pair("velocity", &state.velocity), std::pair("force", &state.force)}) {
+      xdmf_item(shape, "Float", 8, data + position_field.name));
+  for (const auto& [field, values] :
+       {std::pair(velocity_field, &state.velocity), std::pair(force_field, &state.force)}) {
     if (values->empty()) continue;
-    content += xdmf_attribute(name, "Vector",
-                              xdmf_item(shape, "Float", 8, fmt::format("{}/{}", data, name)));
+    content += xdmf_attribute(field, "Vector", xdmf_item(shape, "Float", 8, data + field.name));
   }
   return xdmf_grid(mesh.name, time, content);
 }
 
 // XDMF 2 lists the axes of regular meshes from the slowest to the fastest: z, y, x.
 std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double time) {
-  const std::string data = frame_path(frame) + "/fluid";
-  const std::string shape =
-      fmt::format("{} {} {}", lattice.nodes[2], lattice.nodes[1], lattice.nodes[0]);
-  const std::string content = fmt::format(
-      "        <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{0}\"/>\n"
-      "        <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
-      "          <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" "
-      "Format=\"XML\">{1} {2} {3}</DataItem>\n"
-      "          <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" "
-      "Format=\"XML\">{4} {4} {4}</DataItem>\n"
-      "        </Geometry>\n{5}{6}",
-      shape, lattice.origin.z(), lattice.origin.y(), lattice.origin.x(), lattice.spacing,
-      xdmf_attribute("density", "Scalar", xdmf_item(shape, "Float", 4, data + "/density")),
-      xdmf_attribute("velocity", "Vector",
-                     xdmf_item(shape + " 3", "Float", 4, data + "/velocity")));
-  return xdmf_grid("fluid", time, content);
+  const std::string data = frame_path(frame) + "/fluid/";
+  const FluidGrid grid(lattice);
+  const std::string shape = fmt::format("{} {} {}", grid.nodes[2], grid.nodes[1], grid.nodes[0]);
+  const std::string content =
+      fmt::format(
+          "          <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\"/>\n"
+          "          <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
+          "            {}\n            {}\n          </Geometry>\n",
+          shape,
+          xdmf_values(3,
+                      fmt::format("{} {} {}", grid.origin.z(), grid.origin.y(), grid.origin.x())),
+          xdmf_values(3, fmt::format("{0} {0} {0}", lattice.spacing))) +
+      xdmf_attribute(density_field, "Scalar",
+                     xdmf_item(shape, "Float", 4, data + density_field.name)) +
+      xdmf_attribute(velocity_field, "Vector",
+                     xdmf_item(shape + " 3", "Float", 4, data + velocity_field.name));
+  return xdmf_grid(fluid_name, time, content);
+}
+
+/// Eight corners, of which corner 4 i + 2 j + k is at the i-th end along x, j-th along y, k-th
+/// along z, and the twelve pairs of them that differ in one axis.
+void write_channel(hid_t file, const Channel& channel) {
+  const Eigen::Vector3d half(1, channel.half_width_y, channel.length / 2);
+  std::vector<double> corners;
+  std::vector<int> edges;
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int bit = 4 >> axis;
+      const bool high = (corner & bit) != 0;
+      corners.push_back(high ? half[axis] : -half[axis]);
+      if (!high) edges.insert(edges.end(), {corner, corner | bit});
+    }
+  }
+  Handle group = create_group(file, channel_name);
+  write_dataset(group, "corners", {8, 3}, hdf5::doubles(), corners.data(), position_field.unit);
+  write_dataset(group, "edges", {12, 2}, hdf5::integers(), edges.data(), "corner index");
 }
 
 double centre_z(std::span<const double> position) {
@@ -127,16 +212,20 @@ double centre_z(std::span<const double> position) {
 
 }  // namespace
 
-Surfaces::Surfaces(const fs::path& directory, std::vector<SurfaceMesh> bodies, double period,
-                   const std::optional<FluidLattice>& lattice)
+Surfaces::Surfaces(const fs::path& directory, std::vector<SurfaceMesh> bodies,
+                   const Channel& channel, const std::optional<FluidLattice>& lattice)
     : data_(directory / data_name),
       description_(directory / description_name),
       bodies_(std::move(bodies)),
-      period_(period),
+      channel_(channel),
       lattice_(lattice),
       last_time_(-std::numeric_limits<double>::infinity()),
-      grids_(bodies_.size() + (lattice ? 1 : 0)) {
-  std::set<std::string_view> names = {"fluid"};
+      grids_(bodies_.size() + 2) {
+  if (!(channel_.half_width_y > 0) || !(channel_.length > 0)) {
+    throw std::invalid_argument(fmt::format("channel of half-width {} along y, length {}",
+                                            channel_.half_width_y, channel_.length));
+  }
+  std::set<std::string_view> names = {channel_name, fluid_name};
   for (const auto& body : bodies_) {
     if (!is_name(body.name))
       throw std::invalid_argument(fmt::format("body name '{}': must be {}", body.name, name_rule));
@@ -160,6 +249,7 @@ Surfaces::Surfaces(const fs::path& directory, std::vector<SurfaceMesh> bodies, d
 
   const hdf5::QuietErrors quiet;
   Handle file = hdf5::open_file(data_, true);
+  write_channel(file, channel_);
   {
     Handle group = create_group(file, "bodies");
     for (const auto& body : bodies_) {
@@ -175,49 +265,53 @@ Surfaces::Surfaces(const fs::path& directory, std::vector<SurfaceMesh> bodies, d
 
 void Surfaces::write(double time, std::span<const SurfaceState> bodies, const FluidState* fluid) {
   check(time, bodies, fluid);
-  const double z_offset = period_ > 0 && !bodies.empty()
-                              ? period_ * std::floor(centre_z(bodies[0].position) / period_)
-                              : 0.0;
   const hdf5::QuietErrors quiet;
   Handle file = hdf5::open_file(data_, false);
   {
     Handle frame = create_group(file, frame_path(frames_));
     write_attribute(frame, "time", time);
-    write_attribute(frame, "time_units", "W^2/nu");
-    write_attribute(frame, "z_offset", z_offset);
-    write_attribute(frame, "z_offset_units", "W");
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      Handle own = create_group(frame, bodies_[b].name);
-      const hsize_t n = bodies_[b].vertices;
-      std::vector<double> position = bodies[b].position;
-      for (std::size_t i = 2; i < position.size(); i += 3) position[i] -= z_offset;
-      write_dataset(own, "position", {n, 3}, hdf5::doubles(), position.data(), "W");
-      if (!bodies[b].velocity.empty()) {
-        write_dataset(own, "velocity", {n, 3}, hdf5::doubles(), bodies[b].velocity.data(), "nu/W");
-      }
-      if (!bodies[b].force.empty()) {
-        write_dataset(own, "force", {n, 3}, hdf5::doubles(), bodies[b].force.data(), "rho*nu^2");
-      }
-    }
-    if (fluid != nullptr) {
-      Handle own = create_group(frame, "fluid");
-      const auto [nx, ny, nz] = lattice_->nodes;
-      write_dataset(own, "density", {nz, ny, nx}, hdf5::floats(),
-                    x_fastest(lattice_->nodes, std::array{std::span(fluid->density)}).data(),
-                    "rho");
-      write_dataset(own, "velocity", {nz, ny, nx, 3}, hdf5::floats(),
-                    x_fastest(lattice_->nodes, components(fluid->velocity)).data(), "nu/W");
-    }
+    write_attribute(frame, "time_units", time_field.unit);
+    for (std::size_t b = 0; b < bodies.size(); ++b) write_body(frame, b, bodies[b]);
+    if (fluid != nullptr) write_fluid(frame, *fluid);
   }
   file.close(data_.string());
 
+  grids_.front() += xdmf_channel(channel_, time);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    grids_[b] += xdmf_surface(bodies_[b], bodies[b], frames_, time);
+    grids_[1 + b] += xdmf_surface(bodies_[b], bodies[b], frames_, time);
   }
   if (fluid != nullptr) grids_.back() += xdmf_fluid(*lattice_, frames_, time);
   ++frames_;
   last_time_ = time;
   write_xdmf();
+}
+
+void Surfaces::write_body(hid_t frame, std::size_t body, const SurfaceState& state) const {
+  Handle own = create_group(frame, bodies_[body].name);
+  const hsize_t n = bodies_[body].vertices;
+  const double z_offset =
+      channel_.length * std::floor(centre_z(state.position) / channel_.length + 0.5);
+  write_attribute(own, "z_offset", z_offset);
+  write_attribute(own, "z_offset_units", position_field.unit);
+  std::vector<double> position = state.position;
+  for (std::size_t i = 2; i < position.size(); i += 3) position[i] -= z_offset;
+  const auto write = [&](const Field& field, const std::vector<double>& values) {
+    if (values.empty()) return;
+    write_dataset(own, field.name, {n, 3}, hdf5::doubles(), values.data(), field.unit);
+  };
+  write(position_field, position);
+  write(velocity_field, state.velocity);
+  write(force_field, state.force);
+}
+
+void Surfaces::write_fluid(hid_t frame, const FluidState& fluid) const {
+  Handle own = create_group(frame, fluid_name);
+  const auto [nx, ny, nz] = FluidGrid(*lattice_).nodes;
+  write_dataset(own, density_field.name, {nz, ny, nx}, hdf5::floats(),
+                x_fastest(*lattice_, std::array{std::span(fluid.density)}).data(),
+                density_field.unit);
+  write_dataset(own, velocity_field.name, {nz, ny, nx, 3}, hdf5::floats(),
+                x_fastest(*lattice_, components(fluid.velocity)).data(), velocity_field.unit);
 }
 
 void Surfaces::check(double time, std::span<const SurfaceState> bodies,
@@ -250,14 +344,19 @@ void Surfaces::check(double time, std::span<const SurfaceState> bodies,
 void Surfaces::write_xdmf() const {
   std::string text =
       "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n<Xdmf Version=\"2.0\">\n"
-      "  <!-- lengths in W, times in W^2/nu, velocities in nu/W, forces in rho nu^2 -->\n"
-      "  <Domain>\n";
+      "  <Domain>\n"
+      "    <Information Name=\"units\" Value=\"coordinates in W, half the channel's width; times "
+      "in "
+      "W^2/nu; others in the units of their names\"/>\n";
   for (std::size_t g = 0; g < grids_.size(); ++g) {
     if (grids_[g].empty()) continue;
     text += fmt::format(
         "    <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n{}"
         "    </Grid>\n",
-        g < bodies_.size() ? bodies_[g].name : "fluid", grids_[g]);
+        g == 0                ? channel_name
+        : g <= bodies_.size() ? bodies_[g - 1].name
+                              : fluid_name,
+        grids_[g]);
   }
   text += "  </Domain>\n</Xdmf>\n";
   write_atomically(description_, text);

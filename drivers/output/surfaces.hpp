@@ -1,6 +1,8 @@
 // run.h5 and run.xdmf: the bodies' surfaces, and on request the fluid, over time.
 #pragma once
 
+#include <hdf5.h>
+
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
@@ -10,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "ductile/fluid/fluid.hpp"
 #include "ductile/suspension/suspension.hpp"
 
 namespace ductile::drivers {
@@ -21,34 +24,46 @@ struct SurfaceMesh {
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// The regular lattice that fluid fields live on; of a channel symmetric about y = 0 its upper
-/// half.
+/// The channel, centred on the origin: |x| <= 1, |y| <= half_width_y, and along z one period of
+/// `length`; all in W.
+struct Channel {
+  double half_width_y = 1;
+  double length = 0;
+};
+
+/// The regular lattice that fluid fields come on.
 struct FluidLattice {
   std::array<std::size_t, 3> nodes = {0, 0, 0};      ///< along x, y, z
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of node (0, 0, 0) [W]
   double spacing = 1;                                ///< [W]
+  fluid::Mirror mirror = fluid::Mirror::none;        ///< fields come for the upper half alone
 };
 
-/// Writes frames into run.h5, and run.xdmf that lets ParaView read them (XDMF 2, by its
-/// "Xdmf Reader"; paths are relative, so the directory may be moved). In run.h5:
+/// Writes frames into run.h5, and run.xdmf that lets ParaView read them (XDMF 2, by any of its
+/// readers; paths are relative, so the directory may be moved). In run.h5:
+///     /channel/corners                     double [8, 3], edges int32 [12, 2]: its outline
 ///     /bodies/NAME/triangles               int32 [triangles, 3]
-///     /frames/000000/                      attribute time [W^2/nu], z_offset [W]
+///     /frames/000000/                      attribute time [W^2/nu]
+///     /frames/000000/NAME/                 attribute z_offset [W]
 ///     /frames/000000/NAME/position         double [n, 3], and velocity, force where given
 ///     /frames/000000/fluid/density         float [nz, ny, nx], velocity [nz, ny, nx, 3]
-/// with the unit of each as its attribute `units`. Bodies travel far down a periodic channel: in
-/// one of period L each frame shows all of them moved back by z_offset, the multiple of L that
-/// brings the first body's centre into [0, L), where the fluid is; position + z_offset is
-/// unwrapped. Fluid fields are stored in single precision.
+/// with the unit of each as its attribute `units`, and in run.xdmf in its name.
+///
+/// All lie in the channel's frame, z in [-L/2, L/2), L its length. A body travels far down the
+/// periodic channel: each is shown whole, moved back by its own z_offset, the multiple of L that
+/// brings its centre, the mean of its vertices, into the channel; position + z_offset is unwrapped.
+/// The fluid is shown whole too: below a mirror plane as the image of what is above it, and with
+/// the plane z = L/2, which repeats z = -L/2. Fields are stored in single precision.
 ///
 /// Between frames run.h5 is closed, and run.xdmf is replaced only after it: both can be read while
 /// the run goes on, and a run that dies leaves both readable up to its last whole frame.
 class Surfaces {
  public:
-  /// Creates or overwrites both files in `directory`. `period` [W] of the channel along z; 0: none.
-  /// Throws OutputError; std::invalid_argument for names that repeat or cannot stand in a path, a
-  /// triangle that names no vertex, or a lattice without nodes.
-  Surfaces(const std::filesystem::path& directory, std::vector<SurfaceMesh> bodies, double period,
-           const std::optional<FluidLattice>& lattice = std::nullopt);
+  /// Creates or overwrites both files in `directory`. Throws OutputError; std::invalid_argument for
+  /// names that repeat or cannot stand in a path, a triangle that names no vertex, a channel of no
+  /// size, or a lattice without nodes.
+  Surfaces(const std::filesystem::path& directory, std::vector<SurfaceMesh> bodies,
+           const Channel& channel, const std::optional<FluidLattice>& lattice = std::nullopt);
 
   /// Appends a frame: every body in order and, if `fluid` is given, the fluid (which may come less
   /// often than the bodies). Throws OutputError, or std::invalid_argument if a size does not fit,
@@ -59,16 +74,19 @@ class Surfaces {
  private:
   void check(double time, std::span<const suspension::SurfaceState> bodies,
              const suspension::FluidState* fluid) const;
+  void write_body(hid_t frame, std::size_t body, const suspension::SurfaceState& state) const;
+  void write_fluid(hid_t frame, const suspension::FluidState& fluid) const;
   void write_xdmf() const;
 
   std::filesystem::path data_;
   std::filesystem::path description_;
   std::vector<SurfaceMesh> bodies_;
-  double period_;
+  Channel channel_;
   std::optional<FluidLattice> lattice_;
   std::size_t frames_ = 0;
   double last_time_ = 0;
-  std::vector<std::string> grids_;  // XDMF of all frames so far: of each body, then of the fluid
+  // XDMF of all frames so far: of the channel, of each body, of the fluid.
+  std::vector<std::string> grids_;
 };
 
 }  // namespace ductile::drivers

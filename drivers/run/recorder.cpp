@@ -33,9 +33,11 @@ std::optional<Surfaces> make_surfaces(const Case& given, const std::filesystem::
     }
     lattice->origin = plan.units.position(Eigen::Vector3d::Zero());
     lattice->spacing = plan.units.length(1);
+    lattice->mirror = plan.fluid.mirror;
   }
-  return std::optional<Surfaces>(std::in_place, directory, std::move(meshes),
-                                 plan.units.length(plan.length()), lattice);
+  return std::optional<Surfaces>(
+      std::in_place, directory, std::move(meshes),
+      Channel{plan.units.length(plan.half_width_y()), plan.units.length(plan.length())}, lattice);
 }
 
 }  // namespace

@@ -146,9 +146,9 @@ class Reader {
       if (table == nullptr)
         document_.fail("body", element, "must be an array of tables: write [[body]]");
       s.bodies.push_back(read_body(*table, i, s));
-      if (s.bodies.back().name == "fluid") {
+      if (const std::string& name = s.bodies.back().name; name == "fluid" || name == "channel") {
         document_.fail("body.name", named(*table),
-                       "names the fluid in the output: call the body otherwise");
+                       fmt::format("names the {} in the output: call the body otherwise", name));
       }
       if (!names.insert(s.bodies.back().name).second) {
         document_.fail("body.name", named(*table),

@@ -78,18 +78,29 @@ VertexFailure::VertexFailure(Reason reason, int vertex, double displacement)
       displacement_(displacement) {}
 
 Capsule::Capsule(const surface::Mesh& reference, std::span<const Vector3d> positions,
-                 const Moduli& moduli, const CapsuleOptions& options)
+                 const Moduli& moduli, const CapsuleOptions& options,
+                 std::span<const Vector3d> velocities)
     : shell_(reference, moduli),
       state_{shell_.create_vec(), shell_.create_vec(), shell_.create_vec()},
       mobility_(shell_.create_vec()),
       fluid_velocity_(shell_.create_vec()),
       result_(shell_.create_vec()),
       make_integrator_(options.integrator) {
-  if (positions.size() != reference.vertices.size()) {
-    throw std::invalid_argument("capsule: " + std::to_string(positions.size()) +
-                                " positions for a reference of " +
-                                std::to_string(reference.vertices.size()) + " vertices");
-  }
+  const auto require = [&reference](std::span<const Vector3d> vectors, const std::string& what) {
+    if (vectors.size() != reference.vertices.size()) {
+      throw std::invalid_argument("capsule: " + std::to_string(vectors.size()) + " " + what +
+                                  " for a reference of " +
+                                  std::to_string(reference.vertices.size()) + " vertices");
+    }
+    for (std::size_t i = 0; i < vectors.size(); ++i) {
+      if (!vectors[i].allFinite()) {
+        throw std::invalid_argument("capsule: the " + what + " of vertex " + std::to_string(i) +
+                                    " are not finite");
+      }
+    }
+  };
+  require(positions, "positions");
+  if (!velocities.empty()) require(velocities, "velocities");
   if (!(options.mobility >= 0) || !std::isfinite(options.mobility)) {
     throw std::invalid_argument("capsule: mobility " + std::to_string(options.mobility) +
                                 " must be finite and not negative");
@@ -101,12 +112,10 @@ Capsule::Capsule(const surface::Mesh& reference, std::span<const Vector3d> posit
   {
     const VecArray<double> x(state_.positions.get());
     const VecArray<double> eps(mobility_.get());
+    const VecArray<double> v(state_.velocities.get());
     for (std::size_t i = 0; i < positions.size(); ++i) {
-      if (!positions[i].allFinite()) {
-        throw std::invalid_argument("capsule: the position of vertex " + std::to_string(i) +
-                                    " is not finite");
-      }
       Vector3d::Map(&x[3 * i]) = positions[i];
+      if (!velocities.empty()) Vector3d::Map(&v[3 * i]) = velocities[i];
       if (options.mobility > 0) {
         Vector3d::Map(&eps[3 * i])
             .setConstant(options.mobility / (options.viscosity * shell_.vertex_areas()[i]));

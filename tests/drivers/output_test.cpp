@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <limits>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -216,7 +218,9 @@ class SurfaceFiles : public Output {
   static std::vector<SurfaceMesh> meshes() {
     return {{"lead", 4, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, {"lag", 3, {{0, 1, 2}}}};
   }
-  static FluidLattice lattice() { return {nodes, {-1, -0.5, 0.25}, 0.125}; }
+  static FluidLattice lattice() { return {nodes, {-1, -0.5, 0.25}, 0.125, fluid::Mirror::none}; }
+  /// Longer than any row lies from the origin.
+  static Channel long_channel() { return {0.75, 1000}; }
   /// n vertices in a row along z from `z`, 0.1 apart.
   static std::vector<double> row(std::size_t n, double z) {
     std::vector<double> values;
@@ -260,7 +264,7 @@ class SurfaceFiles : public Output {
 };
 
 TEST_F(SurfaceFiles, HoldWhatWasGiven) {
-  Surfaces surfaces(directory_, meshes(), 0, lattice());
+  Surfaces surfaces(directory_, meshes(), long_channel(), lattice());
   write_frames(surfaces);
   const Hdf5 file(directory_ / "run.h5");  // while the run goes on
 
@@ -279,58 +283,138 @@ TEST_F(SurfaceFiles, HoldWhatWasGiven) {
     EXPECT_EQ(file.units(frame + "/lag/force"), "rho*nu^2");
     EXPECT_EQ(file.has(frame + "/fluid"), i != 1);
   }
+  // Both ends of the channel are there, which are one plane.
   const auto [nx, ny, nz] = nodes;
-  EXPECT_EQ(file.shape("/frames/000002/fluid/density"), (std::vector<hsize_t>{nz, ny, nx}));
-  EXPECT_EQ(file.shape("/frames/000002/fluid/velocity"), (std::vector<hsize_t>{nz, ny, nx, 3}));
+  EXPECT_EQ(file.shape("/frames/000002/fluid/density"), (std::vector<hsize_t>{nz + 1, ny, nx}));
+  EXPECT_EQ(file.shape("/frames/000002/fluid/velocity"), (std::vector<hsize_t>{nz + 1, ny, nx, 3}));
   const auto density = file.doubles("/frames/000002/fluid/density");
   const auto velocity = file.doubles("/frames/000002/fluid/velocity");
-  for (std::size_t k = 0; k < nz; ++k) {
+  for (std::size_t k = 0; k <= nz; ++k) {
     for (std::size_t j = 0; j < ny; ++j) {
       for (std::size_t i = 0; i < nx; ++i) {
         const std::size_t node = (k * ny + j) * nx + i;
-        EXPECT_EQ(density[node], value(i, j, k, 0));
+        EXPECT_EQ(density[node], value(i, j, k % nz, 0));
         for (std::size_t c = 0; c < 3; ++c) {
-          EXPECT_EQ(velocity[3 * node + c], value(i, j, k, c + 1));
+          EXPECT_EQ(velocity[3 * node + c], value(i, j, k % nz, c + 1));
         }
       }
     }
   }
 }
 
-TEST_F(SurfaceFiles, ComeBackIntoAPeriodicChannelTogether) {
-  Surfaces surfaces(directory_, meshes(), 12);
+// A plane between nodes makes an image of each row, one on a row of nodes of all but that.
+TEST_F(SurfaceFiles, HoldTheImageBelowAMirrorPlane) {
+  for (const fluid::Mirror mirror : {fluid::Mirror::between_nodes, fluid::Mirror::on_node}) {
+    FluidLattice half = lattice();
+    half.mirror = mirror;
+    half.origin.y() = mirror == fluid::Mirror::on_node ? 0 : half.spacing / 2;
+    Surfaces surfaces(directory_, meshes(), long_channel(), half);
+    write_frames(surfaces);
+    const Hdf5 file(directory_ / "run.h5");
+    const auto [nx, ny, nz] = nodes;
+    const std::size_t rows = mirror == fluid::Mirror::on_node ? 2 * ny - 1 : 2 * ny;
+    EXPECT_EQ(file.shape("/frames/000000/fluid/density"), (std::vector<hsize_t>{nz + 1, rows, nx}));
+    const auto density = file.doubles("/frames/000000/fluid/density");
+    const auto velocity = file.doubles("/frames/000000/fluid/velocity");
+    const std::string xdmf = read(directory_ / "run.xdmf");
+    const double low = half.origin.y() - half.spacing * static_cast<double>(rows - ny);
+    EXPECT_NE(xdmf.find(fmt::format(">0.25 {} -1</DataItem>", low)), std::string::npos) << low;
+    for (std::size_t k = 0; k < nz; ++k) {
+      for (std::size_t row = 0; row < rows; ++row) {
+        // Where the row lies says whose image it is.
+        const double y = low + half.spacing * static_cast<double>(row);
+        const auto j =
+            static_cast<std::size_t>(std::llround((std::abs(y) - half.origin.y()) / half.spacing));
+        for (std::size_t i = 0; i < nx; ++i) {
+          const std::size_t node = (k * rows + row) * nx + i;
+          EXPECT_EQ(density[node], value(i, j, k, 0));
+          EXPECT_EQ(velocity[3 * node], value(i, j, k, 1));
+          EXPECT_EQ(velocity[3 * node + 1], (y < 0 ? -1 : 1) * value(i, j, k, 2));
+          EXPECT_EQ(velocity[3 * node + 2], value(i, j, k, 3));
+        }
+      }
+    }
+  }
+}
+
+// The fluid spans [-L/2, L/2): each body's centre is brought there, wherever the others are, and
+// position + z_offset is where it was.
+TEST_F(SurfaceFiles, ComeBackIntoTheChannelEachByItself) {
+  constexpr double length = 12;
+  Surfaces surfaces(directory_, meshes(), Channel{1, length});
   double time = 0;
-  for (const double z : {11.9, 12.1, -0.2, 200.0}) {
+  const std::array centres = {5.9, 6.1, -0.2, -5.9, 200.0};
+  for (const double z : centres) {
     const auto lead = row(4, z - 0.15);  // its centre at z
-    const auto lag = row(3, z - 1);
+    const auto lag = row(3, z - 1.1);    // at z - 1
     surfaces.write(time, std::vector<SurfaceState>{{lead, {}, {}}, {lag, {}, {}}});
     time += 1;
   }
   const Hdf5 file(directory_ / "run.h5");
-  const std::array expected = {0.0, 12.0, -12.0, 192.0};
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    const std::string frame = "/frames/00000" + std::to_string(i);
-    EXPECT_EQ(file.number(frame, "z_offset"), expected[i]);
-    const auto lead = file.doubles(frame + "/lead/position");
+  const auto offset = [&](std::size_t i, const char* body) {
+    return file.number(fmt::format("/frames/{:06}/{}", i, body), "z_offset");
+  };
+  const std::array expected_lead = {0.0, 12.0, 0.0, 0.0, 204.0};
+  const std::array expected_lag = {0.0, 0.0, 0.0, -12.0, 204.0};
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    EXPECT_EQ(offset(i, "lead"), expected_lead[i]) << i;
+    EXPECT_EQ(offset(i, "lag"), expected_lag[i]) << i;
+    const auto lead = file.doubles(fmt::format("/frames/{:06}/lead/position", i));
     const double centre = (lead[2] + lead[5] + lead[8] + lead[11]) / 4;
-    EXPECT_GE(centre, 0);
-    EXPECT_LT(centre, 12);
-    EXPECT_NEAR(file.doubles(frame + "/lag/position")[2], lead[2] - 0.85, 1e-12);
+    EXPECT_GE(centre, -length / 2 - 1e-12);
+    EXPECT_LT(centre, length / 2);
+    EXPECT_NEAR(centre + offset(i, "lead"), centres[i], 1e-12);
+    const auto lag = file.doubles(fmt::format("/frames/{:06}/lag/position", i));
+    EXPECT_NEAR(lag[5] + offset(i, "lag"), centres[i] - 1, 1e-12);
+  }
+}
+
+// Twelve edges, each once, along one axis from end to end.
+TEST_F(SurfaceFiles, OutlineTheChannel) {
+  const Surfaces surfaces(directory_, meshes(), Channel{0.75, 12});
+  const Hdf5 file(directory_ / "run.h5");
+  const auto corners = file.doubles("/channel/corners");
+  const auto edges = file.values<int>("/channel/edges", H5T_NATIVE_INT);
+  ASSERT_EQ(file.shape("/channel/corners"), (std::vector<hsize_t>{8, 3}));
+  ASSERT_EQ(file.shape("/channel/edges"), (std::vector<hsize_t>{12, 2}));
+  EXPECT_EQ(file.units("/channel/corners"), "W");
+  const std::array<double, 3> half = {1, 0.75, 6};
+  std::set<std::array<double, 3>> middles;
+  for (std::size_t e = 0; e < 12; ++e) {
+    std::array<double, 3> middle{};
+    int zeros = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double from = corners[3 * static_cast<std::size_t>(edges[2 * e]) + axis];
+      const double to = corners[3 * static_cast<std::size_t>(edges[2 * e + 1]) + axis];
+      EXPECT_EQ(std::abs(from), half[axis]);
+      EXPECT_EQ(std::abs(to), half[axis]);
+      middle[axis] = (from + to) / 2;
+      if (middle[axis] == 0) ++zeros;
+    }
+    EXPECT_EQ(zeros, 1);
+    EXPECT_TRUE(middles.insert(middle).second);
   }
 }
 
 // Parsed by an XML reader that is not ours; every reference must lead to a dataset of the shape and
 // type that the XDMF claims.
 TEST_F(SurfaceFiles, XdmfIsWellFormedAndDescribesExistingData) {
-  Surfaces surfaces(directory_, meshes(), 12, lattice());
+  Surfaces surfaces(directory_, meshes(), Channel{0.75, 12}, lattice());
   write_frames(surfaces);
   const std::string printed = python(R"(
 import sys, xml.etree.ElementTree as xml
 domain = xml.parse(sys.argv[1] + '/run.xdmf').getroot().find('Domain')
-for collection in domain:
+for collection in domain.findall('Grid'):
     assert collection.get('GridType') == 'Collection'
     assert collection.get('CollectionType') == 'Temporal'
-    print('collection', collection.get('Name'), *(g.find('Time').get('Value') for g in collection))
+    name = collection.get('Name')
+    for frame in collection:
+        # Of these only the uniform grids have names, or the Xdmf3 reader numbers them.
+        assert frame.get('CollectionType') == 'Spatial' and frame.get('Name') is None
+        assert frame.find('Grid').get('Name') == name
+        assert frame.find('Time').get('Value') == frame.find('Grid/Time').get('Value')
+    print('collection', name, *(frame.find('Time').get('Value') for frame in collection))
+    print('names', *sorted({a.get('Name') for a in collection.iter('Attribute')}), sep=', ')
 for item in domain.iter('DataItem'):
     if item.get('Format') == 'HDF':
         print('data', item.text, item.get('NumberType') + item.get('Precision'), item.get('Dimensions'))
@@ -354,20 +438,25 @@ print('lattice', topology.get('Dimensions'), '|', *(item.text for item in geomet
     std::vector<hsize_t> claimed;
     for (std::size_t i = 3; i < words.size(); ++i) claimed.push_back(std::stoull(words[i]));
     EXPECT_EQ(file.shape(path), claimed) << path;
-    EXPECT_EQ(words[2], path.find("triangles") != std::string::npos ? "Int4"
-                        : path.find("fluid") != std::string::npos   ? "Float4"
-                                                                    : "Float8");
+    const bool index =
+        path.find("triangles") != std::string::npos || path.find("edges") != std::string::npos;
+    EXPECT_EQ(words[2], index                                     ? "Int4"
+                        : path.find("fluid") != std::string::npos ? "Float4"
+                                                                  : "Float8");
   }
-  // Of 3 frames: 2 bodies with triangles and positions, velocity of one, force of the other; of 2
-  // frames density and velocity of the fluid.
-  EXPECT_EQ(datasets, 3 * 6 + 2 * 2);
-  EXPECT_EQ(others, (std::vector<std::string>{"collection lead 0 0.5 1", "collection lag 0 0.5 1",
-                                              "collection fluid 0 1",
-                                              "lattice 4 3 2 | 0.25 -0.5 -1 0.125 0.125 0.125"}));
+  // Of 3 frames: the channel's corners and edges; 2 bodies with triangles and positions, velocity
+  // of one, force of the other; of 2 frames density and velocity of the fluid.
+  EXPECT_EQ(datasets, 3 * 2 + 3 * 6 + 2 * 2);
+  EXPECT_EQ(others, (std::vector<std::string>{
+                        "collection channel 0 0.5 1", "names, size [W], t [W^2/nu]",
+                        "collection lead 0 0.5 1", "names, velocity [nu/W]",
+                        "collection lag 0 0.5 1", "names, force [rho*nu^2]", "collection fluid 0 1",
+                        "names, density [rho], velocity [nu/W]",
+                        "lattice 5 3 2 | 0.25 -0.5 -1 0.125 0.125 0.125"}));
 }
 
 TEST_F(SurfaceFiles, StayReadableWhenAFrameFails) {
-  Surfaces surfaces(directory_, meshes(), 0, lattice());
+  Surfaces surfaces(directory_, meshes(), long_channel(), lattice());
   write_frames(surfaces);
   const std::string before = read(directory_ / "run.xdmf");
   fs::rename(directory_ / "run.h5", directory_ / "away.h5");
@@ -384,15 +473,20 @@ TEST_F(SurfaceFiles, StayReadableWhenAFrameFails) {
 }
 
 TEST_F(SurfaceFiles, RefuseWhatDoesNotFit) {
-  EXPECT_THROW(Surfaces(directory_, {{"a/b", 3, {}}}, 0), std::invalid_argument);
-  EXPECT_THROW(Surfaces(directory_, {{"a", 3, {}}, {"a", 3, {}}}, 0), std::invalid_argument);
-  EXPECT_THROW(Surfaces(directory_, {{"fluid", 3, {}}}, 0), std::invalid_argument);
-  EXPECT_THROW(Surfaces(directory_, {{"a", 3, {{0, 1, 3}}}}, 0), std::invalid_argument);
-  EXPECT_THROW(Surfaces(directory_, {}, 0, FluidLattice{{2, 0, 2}, {0, 0, 0}, 1}),
+  EXPECT_THROW(Surfaces(directory_, {{"a/b", 3, {}}}, Channel{1, 12}), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {{"a", 3, {}}, {"a", 3, {}}}, Channel{1, 12}),
                std::invalid_argument);
-  EXPECT_THROW(Surfaces(directory_ / "missing", meshes(), 0), OutputError);
+  EXPECT_THROW(Surfaces(directory_, {{"fluid", 3, {}}}, Channel{1, 12}), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {{"a", 3, {{0, 1, 3}}}}, Channel{1, 12}),
+               std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, {{"channel", 3, {}}}, Channel{1, 12}), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_, meshes(), Channel{1, 0}), std::invalid_argument);
+  FluidLattice no_rows = lattice();
+  no_rows.nodes[1] = 0;
+  EXPECT_THROW(Surfaces(directory_, {}, Channel{1, 12}, no_rows), std::invalid_argument);
+  EXPECT_THROW(Surfaces(directory_ / "missing", meshes(), Channel{1, 12}), OutputError);
 
-  Surfaces surfaces(directory_, meshes(), 0);
+  Surfaces surfaces(directory_, meshes(), Channel{1, 12});
   const auto lead = row(4, 0);
   const auto lag = row(3, 0);
   const std::vector<SurfaceState> state = {{lead, {}, {}}, {lag, {}, {}}};

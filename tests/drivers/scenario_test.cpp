@@ -370,6 +370,9 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[[body]]\nname = \"fluid\"\nlaplace = 10\n",
        "case.toml:2:8: body.name = \"fluid\": names the fluid in the output: call the "
        "body otherwise"},
+      {"[[body]]\nname = \"channel\"\nlaplace = 10\n",
+       "case.toml:2:8: body.name = \"channel\": names the channel in the output: call the "
+       "body otherwise"},
       // bodies that do not fit
       {capsule + "x = 0.7\n",
        "case.toml:4:5: body.a.x = 0.7: body \"a\" reaches 0.1 W into the wall at x = 1: move it or "

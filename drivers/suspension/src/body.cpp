@@ -43,7 +43,12 @@ class CapsuleBody final : public Body {
     options.mobility = kind.mobility;
     options.viscosity = plan.units.viscosity();
     options.integrator = membrane::make_integrator(kind.integrator, kind.integrator_options);
-    return std::make_unique<membrane::Capsule>(reference, placed.vertices, kind.moduli, options);
+    const InitialFlow flow(plan);
+    std::vector<Eigen::Vector3d> velocities;
+    for (const Eigen::Vector3d& x : placed.vertices)
+      velocities.push_back(flow.at(x.x(), x.y()).velocity);
+    return std::make_unique<membrane::Capsule>(reference, placed.vertices, kind.moduli, options,
+                                               velocities);
   }
 
   const Units& units_;
@@ -59,7 +64,12 @@ class RigidBody final : public Body {
         plan_(body),
         body_(make(plan, body)),
         markers_(body_),
-        surface_(3 * surface::vertex_count(body.frequency)) {}
+        surface_(3 * surface::vertex_count(body.frequency)) {
+    const InitialFlow flow(plan);
+    const std::span<const double> x = body_.positions();
+    for (std::size_t n = 0; n < x.size(); n += 3)
+      Eigen::Vector3d::Map(&markers_.velocity()[n]) = flow.at(x[n], x[n + 1]).velocity;
+  }
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
   [[nodiscard]] std::span<const double> positions() const override {
@@ -83,6 +93,25 @@ class RigidBody final : public Body {
   }
 
  private:
+  // A body as dense as the fluid has no momentum of its own: it starts with the rigid motion that
+  // the flow gives its surface, without force or torque in eqs. (13)-(14). Any other starts at
+  // rest, and its first step depends on that.
+  static void drift(const InitialFlow& flow, const rigid::Surface& surface, rigid::State& state) {
+    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Vector<double, 6> momentum = Eigen::Vector<double, 6>::Zero();
+    for (std::size_t m = 0; m < surface.markers.size(); ++m) {
+      const Eigen::Vector3d arm = state.orientation * surface.markers[m];
+      const Eigen::Vector3d x = state.position + arm;
+      Eigen::Matrix<double, 3, 6> motion;  // velocity of the marker, of U and omega
+      motion.leftCols<3>().setIdentity();
+      for (int a = 0; a < 3; ++a) motion.col(3 + a) = Eigen::Vector3d::Unit(a).cross(arm);
+      normal += surface.areas[m] * motion.transpose() * motion;
+      momentum += surface.areas[m] * motion.transpose() * flow.at(x.x(), x.y()).velocity;
+    }
+    const Eigen::Vector<double, 6> velocities = normal.ldlt().solve(momentum);
+    state.velocity = velocities.head<3>();
+    state.angular_velocity = velocities.tail<3>();
+  }
   static rigid::Body make(const Plan& plan, const BodyPlan& body) {
     const RigidPlan& kind = *body.rigid();
     rigid::Options options;
@@ -90,12 +119,13 @@ class RigidBody final : public Body {
     options.gravity = plan.gravity;
     options.corrections = kind.corrections;
     options.memory = kind.memory;
-    rigid::State state;
-    state.position = body.centre;
-    state.orientation = Eigen::Quaterniond(body.rotation);
     const rigid::Surface markers =
         rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
     const rigid::Solid solid = rigid::solid_of(*body.shape);
+    rigid::State state;
+    state.position = body.centre;
+    state.orientation = Eigen::Quaterniond(body.rotation);
+    if (kind.density_ratio == 1) drift(InitialFlow(plan), markers, state);
     return {rigid::lined(markers, solid, options), solid, options, state};
   }
 

@@ -77,37 +77,47 @@ double Plan::mach() const {
   return std::sqrt(3.0) * std::max({u_max, std::abs(low), std::abs(high)});
 }
 
+InitialFlow::InitialFlow(const Plan& plan)
+    : half_width_{plan.units.half_width(), plan.half_width_y()},
+      axis_(plan.units.origin()),
+      force_over_viscosity_(plan.fluid.force.z() / plan.units.viscosity()),
+      wall_velocity_(plan.wall_velocity()),
+      side_walls_(plan.side_walls()) {
+  if (plan.start == Start::developed)
+    duct_.emplace(half_width_, plan.fluid.force.z(), plan.units.viscosity());
+}
+
+fluid::NodeState InitialFlow::at(double x, double y) const {
+  fluid::NodeState state;
+  if (!duct_) return state;
+  const auto [w, half_width_y] = half_width_;
+  x -= axis_.x();
+  y -= axis_.y();
+  if (!side_walls_) {
+    const double shear = (wall_velocity_[1] - wall_velocity_[0]) / (2 * w);
+    state.velocity.z() = force_over_viscosity_ / 2 * (w * w - x * x) +
+                         0.5 * (wall_velocity_[0] + wall_velocity_[1]) + shear * x;
+    state.gradient(0, 2) = -force_over_viscosity_ * x + shear;
+  } else if (std::abs(x) < w && std::abs(y) < half_width_y) {
+    state.velocity.z() = duct_->velocity(x, y);
+    const Eigen::Vector2d gradient = duct_->gradient(x, y);
+    state.gradient(0, 2) = gradient.x();
+    state.gradient(1, 2) = gradient.y();
+  }
+  return state;
+}
+
 fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {
   fluid::Fluid fluid(comm, plan.fluid);
   if (plan.start == Start::rest) return fluid;
-
-  const double w = plan.units.half_width();
-  const double nu = plan.units.viscosity();
-  const double alpha = plan.fluid.force.z();
-  const std::array<double, 2> wall_velocity = plan.wall_velocity();
-  const double half_width_y = plan.half_width_y();
-  const fluid::DuctFlow duct({w, half_width_y}, alpha, nu);
-  const Eigen::Vector3d& axis = plan.units.origin();
+  const InitialFlow flow(plan);
   // The same for a whole column of nodes, which initialise() visits one after the other.
   std::array<int, 2> column = {-1, -1};
   fluid::NodeState state;
   fluid.initialise([&](int i, int j, int /*k*/) {
     if (column == std::array<int, 2>{i, j}) return state;
     column = {i, j};
-    state = {};
-    const double x = i - axis.x();
-    const double y = j - axis.y();
-    if (!plan.side_walls()) {
-      const double shear = (wall_velocity[1] - wall_velocity[0]) / (2 * w);
-      state.velocity.z() = alpha / (2 * nu) * (w * w - x * x) +
-                           0.5 * (wall_velocity[0] + wall_velocity[1]) + shear * x;
-      state.gradient(0, 2) = -alpha / nu * x + shear;
-    } else if (std::abs(x) < w && std::abs(y) < half_width_y) {
-      state.velocity.z() = duct.velocity(x, y);
-      const Eigen::Vector2d gradient = duct.gradient(x, y);
-      state.gradient(0, 2) = gradient.x();
-      state.gradient(1, 2) = gradient.y();
-    }
+    state = flow.at(i, j);
     return state;
   });
   return fluid;

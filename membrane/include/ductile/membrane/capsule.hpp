@@ -55,12 +55,14 @@ class Capsule {
   static constexpr double max_displacement = 0.5;
 
   /// `reference` is the unstressed shape, wherever it lies; `positions` are where its vertices
-  /// start, at rest. The two may differ in shape: a pre-inflated capsule starts larger than its
-  /// reference. Throws std::invalid_argument as Shell does, and if `positions` does not fit
-  /// `reference` or is not finite, for a negative mobility, and for a viscosity that is not
-  /// positive where the mobility needs it.
+  /// start. The two may differ in shape: a pre-inflated capsule starts larger than its reference.
+  /// `velocities` are what velocities() tells before the first step, 0 if empty; without inertia,
+  /// nothing that follows depends on them. Throws std::invalid_argument as Shell does, and if
+  /// `positions` or `velocities` do not fit `reference` or are not finite, for a negative mobility,
+  /// and for a viscosity that is not positive where the mobility needs it.
   Capsule(const surface::Mesh& reference, std::span<const Eigen::Vector3d> positions,
-          const Moduli& moduli, const CapsuleOptions& options);
+          const Moduli& moduli, const CapsuleOptions& options,
+          std::span<const Eigen::Vector3d> velocities = {});
   // The integrator refers to the shell within.
   Capsule(const Capsule&) = delete;
   Capsule& operator=(const Capsule&) = delete;
@@ -71,7 +73,8 @@ class Capsule {
   [[nodiscard]] const State& state() const { return state_; }
   /// x^n.
   [[nodiscard]] std::span<const double> positions() const;
-  /// Velocities of the vertices in the latest step, slip included; zero before the first.
+  /// Velocities of the vertices in the latest step, slip included; before the first those of the
+  /// start.
   [[nodiscard]] std::span<const double> velocities() const;
   /// Forces on the fluid in the latest step.
   [[nodiscard]] std::span<const double> forces() const;

@@ -26,8 +26,9 @@ class Body {
   /// What the coupler moves.
   [[nodiscard]] virtual coupling::Body& markers() = 0;
   [[nodiscard]] virtual std::span<const double> positions() const = 0;
-  /// Velocity of the vertices in the latest step (of a rigid body: the fluid's at its markers), and
-  /// their force on the fluid where the body knows it (else empty).
+  /// Velocity of the vertices in the latest step (of a rigid body: the fluid's at its markers),
+  /// before the first that of the initial flow there; and their force on the fluid where the body
+  /// knows it (else empty).
   [[nodiscard]] virtual std::span<const double> velocities() const = 0;
   [[nodiscard]] virtual std::span<const double> forces() const = 0;
   [[nodiscard]] virtual Observation observe() const = 0;

@@ -71,7 +71,7 @@ class RigidMarkers final : public coupling::Body {
       throw coupling::MarkerError(error.marker(), error.what());
     }
   }
-  /// The fluid's velocity at the markers in the latest step; zero before the first.
+  /// The fluid's velocity at the markers in the latest step; before the first 0, unless set.
   [[nodiscard]] std::span<const double> velocity() const { return velocity_; }
   [[nodiscard]] std::span<double> velocity() { return velocity_; }
 

@@ -7,10 +7,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "ductile/fluid/duct.hpp"
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/membrane/integrator.hpp"
 #include "ductile/membrane/shell.hpp"
@@ -103,6 +105,23 @@ double half_width(int nodes, fluid::Boundary walls);
 /// U_max/(alpha W^2/eta) of the empty channel: 0.29468541 for the square duct, 1/2 between two
 /// plates (no side walls). `half_width_y` in W.
 double poiseuille_coefficient(double half_width_y, bool side_walls);
+
+/// The flow of a plan at t = 0, which is the same all along z.
+class InitialFlow {
+ public:
+  /// Of a plan that passes check(), without its bodies.
+  explicit InitialFlow(const Plan& plan);
+  /// At (x, y) of the lattice, inside of the walls or on them.
+  [[nodiscard]] fluid::NodeState at(double x, double y) const;
+
+ private:
+  std::array<double, 2> half_width_;
+  Eigen::Vector3d axis_;
+  double force_over_viscosity_;
+  std::array<double, 2> wall_velocity_;
+  bool side_walls_;
+  std::optional<fluid::DuctFlow> duct_;  // none at rest
+};
 
 /// The fluid of a plan in its initial state. Collective. Throws as fluid::Fluid.
 fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm);

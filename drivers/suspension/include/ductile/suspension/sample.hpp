@@ -18,8 +18,10 @@ namespace ductile::suspension {
 struct Observation {
   const Units& units;
   const BodyPlan& plan;
-  Eigen::Vector3d centroid;                    ///< of the volume; z is not wrapped
-  Eigen::Vector3d displacement;                ///< of the centroid, in the latest step
+  Eigen::Vector3d centroid;  ///< of the volume; z is not wrapped
+  /// Of the centroid in the latest step; before the first the velocity with which the body starts:
+  /// the initial flow's on its surface, 0 of a rigid body that is not as dense as the fluid.
+  Eigen::Vector3d displacement;
   double slip = 0;                             ///< largest of surface minus fluid velocity
   const membrane::Capsule* capsule = nullptr;  ///< null unless it is one
   membrane::Shape moments{};                   ///< of the capsule
