@@ -43,6 +43,10 @@ double frequency(int i) {
   return slowest + (pi - slowest) * i / (frequency_count - 1);
 }
 
+int box_nodes(double reach) {
+  return 2 * static_cast<int>(std::ceil(reach + box_margin));
+}
+
 // sum_j a_j z^-j
 Complex transform(std::span<const double> a, Complex z) {
   Complex sum = 0;
@@ -134,7 +138,7 @@ class Bath final : public coupling::Body {
   static fluid::Options options(const StabilityProblem& problem, const surface::Mesh& mesh) {
     double reach = 0;
     for (const Vector3d& v : mesh.vertices) reach = std::max(reach, v.norm());
-    const int nodes = 2 * static_cast<int>(std::ceil(reach + box_margin));
+    const int nodes = box_nodes(reach);
     fluid::Options options;
     options.nodes = {nodes, nodes, nodes};
     options.tau = problem.tau;
@@ -200,6 +204,12 @@ StabilityProblem of_bearable_size(StabilityProblem problem) {
   return problem;
 }
 
+// A force on the scale of a few spacings is forgotten at a rate of about nu.
+int steps_of_memory(double tau) {
+  return static_cast<int>(
+      std::min<double>(longest_memory, 40 + 2 / suspension::lattice_viscosity(tau)));
+}
+
 // Largest eigenvalue of K (G(-1) + eps): G(-1) is the fluid's answer to forces that change sign in
 // every step, and the power iteration goes on while the fluid does.
 double alternating(const StabilityProblem& problem, const membrane::Moduli& moduli, double slip,
@@ -258,8 +268,7 @@ StabilityModel::StabilityModel(const StabilityProblem& given) {
   const StabilityProblem problem = of_bearable_size(given);
   const double nu = suspension::lattice_viscosity(problem.tau);
   slip_ = problem.mobility / nu;
-  // A force on the scale of a few spacings is forgotten at a rate of about nu.
-  const int memory = static_cast<int>(std::min<double>(longest_memory, 40 + 2 / nu));
+  const int memory = steps_of_memory(problem.tau);
   measure_breathing(problem, memory);
   measure_harmonics(problem, memory);
   for (const Part part : {shear, bending})
@@ -436,7 +445,14 @@ StabilityModel::Weakest StabilityModel::weakest(std::span<const double> weights)
   return alternate > swing.load ? Weakest{alternate, pi, -1} : swing;
 }
 
-StabilityLoad StabilityModel::load(std::span<const double> weights) const {
+const StabilityLoad& StabilityModel::load(std::span<const double> weights) const {
+  for (const auto& [known, load] : loads_)
+    if (std::ranges::equal(known, weights)) return load;
+  loads_.emplace_back(std::vector(weights.begin(), weights.end()), find_load(weights));
+  return loads_.back().second;
+}
+
+StabilityLoad StabilityModel::find_load(std::span<const double> weights) const {
   StabilityLoad load;
   load.total = weakest(weights).load;
   const double alternate = transform(weights, -1).real() / 2;
@@ -464,12 +480,30 @@ const membrane::Scheme& advised_scheme(const StabilityModel& model) {
   return cheapest != nullptr ? *cheapest : *furthest;
 }
 
-const StabilityModel& StabilityModels::operator[](std::size_t body) {
+double seconds_to_measure(const StabilityProblem& given) {
+  const StabilityProblem problem = of_bearable_size(given);
+  const double nodes =
+      std::pow(box_nodes(surface::make_shape(problem.shape, problem.radius)->reach()), 3);
+  const auto vertices = static_cast<double>(surface::vertex_count(problem.frequency));
+  // Breathing, harmonics, and the alternation of shear, bending and both, each in a bath of its
+  // own. Measured on a core of an AMD EPYC.
+  constexpr double baths = 5;
+  constexpr double node_step = 12e-9;
+  constexpr double vertex_step = 200e-9;  // spreading, interpolation, stiffness
+  constexpr double vertex_once = 40e-6;   // the stiffness assembled eight times
+  return baths * steps_of_memory(problem.tau) * (node_step * nodes + vertex_step * vertices) +
+         vertex_once * vertices;
+}
+
+const StabilityModel* StabilityModels::operator[](std::size_t body) {
   const StabilityProblem problem = stability_problem(plan_, body);
   for (const auto& [known, model] : models_)
-    if (known == problem) return *model;
+    if (known == problem) return model.get();
+  const double seconds = seconds_to_measure(problem);
+  if (seconds > left_) return nullptr;
+  left_ -= seconds;
   models_.emplace_back(problem, std::make_unique<StabilityModel>(problem));
-  return *models_.back().second;
+  return models_.back().second.get();
 }
 
 }  // namespace ductile::drivers

@@ -6,6 +6,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <list>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -47,15 +48,17 @@ struct StabilityLoad {
 /// The linear stability of a capsule under any scheme whose vertices move by a weighted sum of
 /// velocities (membrane::SchemeTraits::weights). The constructor measures what the
 /// fluid's velocity at the membrane answers to forces there, which takes a few hundred time steps
-/// of a box about the capsule: 0.1 s at a radius of 7 lattice spacings, 2 s at 20. Beyond 20 a
-/// smaller capsule with the same edges stands in.
+/// of a box about the capsule: 0.1 s at a radius of 7 lattice spacings, 0.8 s at 20, more with a
+/// low tau or a fine mesh (seconds_to_measure()). Beyond 20 a smaller capsule with the same edges
+/// stands in.
 class StabilityModel {
  public:
   /// Needs MPI; not collective. Throws std::invalid_argument as membrane::Shell and fluid::Fluid.
   explicit StabilityModel(const StabilityProblem& problem);
 
-  /// `weights` are the scheme's. Throws std::invalid_argument if there are none.
-  [[nodiscard]] StabilityLoad load(std::span<const double> weights) const;
+  /// `weights` are the scheme's. Throws std::invalid_argument if there are none. Kept, for the
+  /// next to ask.
+  [[nodiscard]] const StabilityLoad& load(std::span<const double> weights) const;
 
   /// What fails first.
   struct Weakest {
@@ -81,12 +84,18 @@ class StabilityModel {
   void measure_harmonics(const StabilityProblem& problem, int steps);
   void measure_breathing(const StabilityProblem& problem, int steps);
   [[nodiscard]] Weakest swinging(const Shares& shares, std::span<const double> weights) const;
+  [[nodiscard]] StabilityLoad find_load(std::span<const double> weights) const;
 
   double slip_ = 0;  // eps', the membrane's mobility times area
   std::vector<Harmonic> harmonics_;
   std::array<double, part_count> alternating_{};  // largest eigenvalue of K G(-1), by part
   double alternating_total_ = 0;
+  mutable std::list<std::pair<std::vector<double>, StabilityLoad>> loads_;
 };
+
+/// About how long the constructor of its model takes on one core, within a factor of 2: from counts
+/// of steps, nodes and vertices alone, so the same for the same problem everywhere.
+double seconds_to_measure(const StabilityProblem& problem);
 
 /// A scheme is relied on up to this load. The prediction is wrong by up to 8% (doc/stability.md),
 /// and a membrane in a flow is strained and stiffer than at rest.
@@ -103,12 +112,14 @@ const membrane::Scheme& advised_scheme(const StabilityModel& model);
 /// one. The plan must outlive it.
 class StabilityModels {
  public:
-  explicit StabilityModels(const suspension::Plan& plan) : plan_(plan) {}
-  /// `body` is a capsule.
-  const StabilityModel& operator[](std::size_t body);
+  /// Models are measured as long as their seconds_to_measure() add up to `seconds` at most.
+  StabilityModels(const suspension::Plan& plan, double seconds) : plan_(plan), left_(seconds) {}
+  /// That of capsule `body`; null where it would take longer than what is left.
+  const StabilityModel* operator[](std::size_t body);
 
  private:
   const suspension::Plan& plan_;
+  double left_;
   std::vector<std::pair<StabilityProblem, std::unique_ptr<StabilityModel>>> models_;
 };
 

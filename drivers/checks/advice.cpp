@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "analysis/contacts.hpp"
@@ -18,10 +19,20 @@ namespace {
 
 using suspension::Plan;
 
-constexpr double trusted_gap = 4;  // below it the flow in the gap is not resolved
 constexpr double sound_mach = 0.15;
 constexpr double smallest_radius = 4;  // lattice spacings
 constexpr double sound_lead = 0.01;    // of waves of length 2 a, of the flow's velocity
+
+constexpr double patience_of_a_run = 20;  // seconds before its first step
+
+/// The first few names.
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t shown = 5;
+  const auto first = std::span(names).first(std::min(shown, names.size()));
+  return names.size() <= shown
+             ? fmt::format("{}", fmt::join(first, ", "))
+             : fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - shown);
+}
 
 /// What lowers the largest part of a load.
 std::string_view cure(const StabilityLoad& load) {
@@ -65,18 +76,19 @@ void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
                     plan.mach()));
   }
   for (const Gap& gap : gaps(plan)) {
-    if (gap.to == Gap::To::body && gap.distance < trusted_gap - round_off) {
+    if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off) {
       list.push_back(fmt::format(
           "the gap between {} and {} is {:.1f} lattice spacings, under the {} that resolve the "
           "flow in it; channel.nodes = {} would do",
-          body_name(plan, gap.body), body_name(plan, gap.other), gap.distance, trusted_gap,
-          nodes_for_gap(plan, gap.distance, trusted_gap)));
+          body_name(plan, gap.body), body_name(plan, gap.other), gap.distance, resolved_gap,
+          nodes_for_gap(plan, gap.distance, resolved_gap)));
     }
   }
 }
 
+// `unpredicted` gathers the names of capsules without a model.
 void warn_of_body(const Plan& plan, std::size_t index, StabilityModels& models,
-                  std::vector<std::string>& list) {
+                  std::vector<std::string>& list, std::vector<std::string>& unpredicted) {
   const suspension::BodyPlan& body = plan.bodies[index];
   const std::string name = body_name(plan, index);
   if (body.shape->radius() < smallest_radius) {
@@ -96,7 +108,12 @@ void warn_of_body(const Plan& plan, std::size_t index, StabilityModels& models,
   }
   const membrane::SchemeTraits& traits = capsule->integrator.traits;
   if (traits.weights.empty() && std::isinf(traits.reach)) return;  // no model need be measured
-  const std::string warning = stability_warning(capsule->integrator, models[index]);
+  const StabilityModel* model = models[index];
+  if (model == nullptr) {
+    unpredicted.push_back(body.name);
+    return;
+  }
+  const std::string warning = stability_warning(capsule->integrator, *model);
   if (!warning.empty()) list.push_back(name + " is at " + warning);
 }
 
@@ -148,7 +165,15 @@ std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
   std::vector<std::string> list;
   warn_of_flow(plan, list);
   warn_of_collision(plan, list);
-  for (std::size_t i = 0; i < plan.bodies.size(); ++i) warn_of_body(plan, i, models, list);
+  std::vector<std::string> unpredicted;
+  for (std::size_t i = 0; i < plan.bodies.size(); ++i)
+    warn_of_body(plan, i, models, list, unpredicted);
+  if (!unpredicted.empty()) {
+    list.push_back(fmt::format(
+        "the stability of {} is not predicted, which would take long: `ductile check --thorough` "
+        "does it",
+        some_of(unpredicted)));
+  }
   const double installed =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (population_bytes(plan) > installed) {
@@ -159,7 +184,7 @@ std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
 }
 
 std::vector<std::string> warnings(const Case& given) {
-  StabilityModels models(given.plan);
+  StabilityModels models(given.plan, patience_of_a_run);
   return warnings(given, models);
 }
 
@@ -173,22 +198,21 @@ std::vector<std::string> notes(const Case& given) {
   rounded("channel.half_width_y", scenario.channel.half_width_y,
           plan.units.length(plan.half_width_y()));
   rounded("channel.length", scenario.channel.length, plan.units.length(plan.length()));
-  std::vector<std::pair<double, std::string>> reduced;  // volume modulus, and who has it
+  // Volume modulus, and who has it.
+  std::vector<std::pair<double, std::vector<std::string>>> reduced;
   for (const BodyOptions& body : scenario.bodies) {
     const double k_v = body.membrane.volume_modulus;
     if (body.kind == BodyKind::rigid || k_v >= paper_volume_modulus) continue;
-    const auto same = std::ranges::find(reduced, k_v, &std::pair<double, std::string>::first);
-    if (same == reduced.end()) {
-      reduced.emplace_back(k_v, body.name);
-    } else {
-      same->second += ", " + body.name;
-    }
+    auto same =
+        std::ranges::find(reduced, k_v, &std::pair<double, std::vector<std::string>>::first);
+    if (same == reduced.end()) same = reduced.insert(same, {k_v, {}});
+    same->second.push_back(body.name);
   }
   for (const auto& [k_v, names] : reduced) {
     list.push_back(fmt::format(
         "volume_modulus of {} is {:g} rho nu^2/W^2 ({:.2g} in lattice units), not the paper's "
         "{:g} ({:.2g}): see the volume error",
-        names, k_v, plan.units.lattice_pressure(k_v), paper_volume_modulus,
+        some_of(names), k_v, plan.units.lattice_pressure(k_v), paper_volume_modulus,
         plan.units.lattice_pressure(paper_volume_modulus)));
   }
   return list;

@@ -11,7 +11,8 @@
 namespace ductile::drivers {
 
 /// What a user should know before trusting the run, one line each. Predicts the stability of
-/// capsules whose integrator has a limit, which takes a moment; `models` are the case's.
+/// capsules whose integrator has a limit, which takes a moment, as far as `models`, the case's,
+/// have the time; without them 20 s at most.
 std::vector<std::string> warnings(const Case& given, StabilityModels& models);
 std::vector<std::string> warnings(const Case& given);
 

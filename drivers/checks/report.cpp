@@ -27,6 +27,12 @@ class Lines {
   std::string text_;
 };
 
+/// Of walls that move past each other [nu/W^2].
+double shear_rate(const Scenario& scenario) {
+  const auto& [low, high] = scenario.channel.wall_velocity;
+  return (high - low) / 2;
+}
+
 void add_channel(Lines& lines, const Case& given) {
   const auto& [scenario, plan, schedule] = given;
   const ChannelOptions& channel = scenario.channel;
@@ -54,23 +60,49 @@ void add_channel(Lines& lines, const Case& given) {
                   plan.fluid.storage == fluid::Storage::double_precision ? "double" : "single"));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
+  if (const auto& [low, high] = channel.wall_velocity; low != 0 || high != 0) {
+    lines.add("", fmt::format("walls at x = -1 and 1 move at {} and {} nu/W, shear rate {:.6g} "
+                              "nu/W^2",
+                              low, high, shear_rate(scenario)));
+  }
   lines.add("time",
             fmt::format("{:.6g} steps per W^2/nu, {} steps until t = {}",
                         plan.units.steps_per_time(), schedule.end, scenario.run.time_limit));
 }
 
 void add_capsule(Lines& lines, const BodyOptions& options, const suspension::CapsulePlan& capsule,
-                 const StabilityModel& model) {
+                 const StabilityModel* model) {
   const membrane::Moduli& moduli = capsule.moduli;
   lines.add("", fmt::format("La = {}; in lattice units k_s = {:.4g}, k_a = {:.4g}, k_b = {:.4g}, "
                             "k_v = {:.4g}",
                             options.laplace, moduli.k_s, moduli.k_a, moduli.k_b, moduli.k_v));
   const membrane::Scheme& euler = membrane::reference_scheme();
   const membrane::Scheme& scheme = capsule.integrator;
-  lines.add("", "stability: " + percentages(model.load(euler.traits.weights), euler.name));
+  if (model == nullptr) {
+    lines.add("", fmt::format("integrator {}; its stability is not predicted within a second: add "
+                              "--thorough",
+                              scheme.name));
+    return;
+  }
+  lines.add("", "stability: " + percentages(model->load(euler.traits.weights), euler.name));
   if (scheme.name != euler.name && !scheme.traits.weights.empty())
-    lines.add("", "stability: " + percentages(model.load(scheme.traits.weights), scheme.name));
-  lines.add("", fmt::format("integrator {}: {}", scheme.name, judgement(scheme, model)));
+    lines.add("", "stability: " + percentages(model->load(scheme.traits.weights), scheme.name));
+  lines.add("", fmt::format("integrator {}: {}", scheme.name, judgement(scheme, *model)));
+}
+
+/// What shear means for a body: eta rate a/k_s is rate a^2/(nu La), La being k_s a/(rho nu^2).
+void add_shear(Lines& lines, const Scenario& scenario, const BodyOptions& body) {
+  const double rate = std::abs(shear_rate(scenario));
+  if (rate == 0) return;
+  const double reynolds = rate * body.radius * body.radius;
+  std::string text = fmt::format("in shear: Re_p = rate a^2/nu = {:.4g}", reynolds);
+  if (body.kind == BodyKind::capsule) {
+    text += body.laplace > 0
+                ? fmt::format(", Ca = eta rate a/k_s = {:.4g} (eta rate a/G_s = {:.4g})",
+                              reynolds / body.laplace, 3 * reynolds / body.laplace)
+                : ", Ca infinite without k_s";
+  }
+  lines.add("", text);
 }
 
 void add_bodies(Lines& lines, const Case& given, StabilityModels& models) {
@@ -93,6 +125,7 @@ void add_bodies(Lines& lines, const Case& given, StabilityModels& models) {
     } else {
       add_capsule(lines, options, *body.capsule(), models[i]);
     }
+    add_shear(lines, given.scenario, options);
   }
 }
 
@@ -116,21 +149,31 @@ void add_gaps(Lines& lines, const suspension::Plan& plan) {
 
 void add_cost(Lines& lines, const Case& given, int cores, const std::optional<KnownSpeed>& known) {
   lines.add("memory", size_text(population_bytes(given.plan)) + " of populations");
-  if (known) cores = std::min(cores, known->ranks);  // more were not measured
-  const double speed = expected_speed(given.plan, cores, known);
+  const KnownSpeed speed = known ? *known : guessed_speed(cores);
+  const int most = std::clamp(std::min(cores, speed.ranks), 1, given.plan.fluid.nodes[2]);
+  const auto duration = [&](int ranks) {
+    const double step = expected_step(given.plan, ranks, speed).total();
+    return duration_text(std::max(1.0, step * static_cast<double>(given.schedule.end)));
+  };
+  const std::string ranks =
+      most == 1 ? "1 rank" : fmt::format("{} ranks, {} on 1", most, duration(1));
   lines.add("duration",
-            fmt::format("about {} until the time limit on {} core{}, at {:.0f} million updates a "
-                        "second, {}",
-                        duration_text(std::max(1.0, estimated_seconds(given, speed))), cores,
-                        cores == 1 ? "" : "s", speed / 1e6,
+            fmt::format("about {} until the time limit on {}, {}", duration(most), ranks,
                         known ? "as `ductile bench` has found here"
                               : "a guess: run `ductile bench` once for a better one"));
+  if (given.plan.bodies.empty()) return;
+  const StepTime step = expected_step(given.plan, 1, speed);
+  const double percent = 100 / step.total();
+  lines.add("", fmt::format("of a step on 1 rank the fluid takes {:.0f}%, its nodes around bodies "
+                            "{:.0f}% more, bodies {:.0f}%",
+                            percent * step.fluid, percent * step.boxes, percent * step.bodies));
 }
 
 }  // namespace
 
-std::string report(const Case& given, int cores, const std::optional<KnownSpeed>& known) {
-  StabilityModels models(given.plan);
+std::string report(const Case& given, int cores, const std::optional<KnownSpeed>& known,
+                   double patience) {
+  StabilityModels models(given.plan, patience);
   Lines lines;
   add_channel(lines, given);
   add_bodies(lines, given, models);

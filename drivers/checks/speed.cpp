@@ -6,17 +6,38 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
+#include <vector>
 
 #include "scenario/text.hpp"
 
 namespace ductile::drivers {
 namespace {
 
-constexpr double assumed_updates = 30e6;  // node updates a second and core, fluid and bodies
+// A name in the file and where its number goes.
+struct Entry {
+  const char* name;
+  double* value;
+};
+
+std::array<Entry, 11> entries(KnownSpeed& speed) {
+  BodyCosts& bodies = speed.bodies;
+  return {{{"double", &speed.fluid.double_precision},
+           {"single", &speed.fluid.single_precision},
+           {"double_alone", &speed.alone.double_precision},
+           {"single_alone", &speed.alone.single_precision},
+           {"node", &bodies.node},
+           {"node_read", &bodies.node_read},
+           {"node_update", &bodies.node_update},
+           {"marker", &bodies.marker},
+           {"marker_pass", &bodies.marker_pass},
+           {"implicit", &bodies.implicit},
+           {"stiff", &bodies.stiff}}};
+}
 
 bool single(const suspension::Plan& plan) {
   return plan.fluid.storage == fluid::Storage::single_precision;
@@ -50,9 +71,10 @@ std::optional<std::string> keep_speed(const KnownSpeed& speed) {
   const std::filesystem::path draft = file.string() + "." + std::to_string(getpid());
   {
     std::ofstream stream(draft);
-    stream << fmt::format("machine = {}\nranks = {}\ndouble = {:.6e}\nsingle = {:.6e}\n",
-                          in_quotes(machine()), speed.ranks, speed.double_precision,
-                          speed.single_precision);
+    stream << fmt::format("machine = {}\nranks = {}\n", in_quotes(machine()), speed.ranks);
+    KnownSpeed kept = speed;
+    for (const auto& [name, value] : entries(kept))
+      stream << fmt::format("{} = {:.6e}\n", name, *value);
     stream.close();
     if (!stream) {
       std::filesystem::remove(draft, error);
@@ -74,10 +96,15 @@ std::optional<KnownSpeed> known_speed() {
   try {
     const toml::table text = toml::parse_file(file.string());
     if (text["machine"].value_or<std::string>("") != machine()) return std::nullopt;
-    const KnownSpeed speed{text["ranks"].value_or(0), text["double"].value_or(0.0),
-                           text["single"].value_or(0.0)};
-    if (speed.ranks < 1 || !(speed.double_precision > 0) || !(speed.single_precision > 0)) {
-      return std::nullopt;
+    KnownSpeed speed;
+    speed.ranks = text["ranks"].value_or(0);
+    if (speed.ranks < 1) return std::nullopt;
+    for (const auto& [name, value] : entries(speed)) {
+      *value = text[name].value_or(-1.0);
+      if (!(*value >= 0)) return std::nullopt;
+    }
+    for (const FluidSpeed& fluid : {speed.fluid, speed.alone}) {
+      if (!(fluid.double_precision > 0) || !(fluid.single_precision > 0)) return std::nullopt;
     }
     return speed;
   } catch (const toml::parse_error&) {
@@ -89,16 +116,80 @@ double population_bytes(const suspension::Plan& plan) {
   return 19.0 * (single(plan) ? 4 : 8) * static_cast<double>(plan.node_count());
 }
 
-double expected_speed(const suspension::Plan& plan, int cores,
-                      const std::optional<KnownSpeed>& known) {
-  if (!known) return assumed_updates * std::max(1, cores);
-  const double all = single(plan) ? known->single_precision : known->double_precision;
-  return all * std::clamp(cores, 1, known->ranks) / known->ranks;
+double box_nodes(const suspension::BodyPlan& body) {
+  // The kernel's reach, and the margin that fluid::Fluid::box_around() leaves.
+  constexpr double across = 6;
+  constexpr double along = 8;
+  constexpr double vector = 8;  // along z a box has whole ones
+  const auto width = [&body](int axis) {
+    return std::ceil(2 *
+                     body.shape->extent(body.rotation.transpose() * Eigen::Vector3d::Unit(axis)));
+  };
+  return (width(0) + across) * (width(1) + across) * std::ceil((width(2) + along) / vector) *
+         vector;
 }
 
-double estimated_seconds(const Case& given, double speed) {
-  return static_cast<double>(given.plan.node_count()) * static_cast<double>(given.schedule.end) /
-         speed;
+KnownSpeed guessed_speed(int cores) {
+  KnownSpeed guess;
+  guess.ranks = std::max(1, cores);
+  guess.alone = {40e6, 50e6};
+  guess.fluid = {guess.alone.double_precision * guess.ranks,
+                 guess.alone.single_precision * guess.ranks};
+  guess.bodies = {10e-9, 30e-9, 10e-9, 700e-9, 250e-9, 3e-6, 0.5e-6};
+  return guess;
+}
+
+namespace {
+
+double updates(const suspension::Plan& plan, int ranks, const KnownSpeed& speed) {
+  const auto of = [&plan](const FluidSpeed& fluid) {
+    return single(plan) ? fluid.single_precision : fluid.double_precision;
+  };
+  if (ranks >= speed.ranks) return of(speed.fluid);  // more were not measured
+  const double share = (ranks - 1.0) / (speed.ranks - 1.0);
+  return of(speed.alone) + share * (of(speed.fluid) - of(speed.alone));
+}
+
+// How many rounds of corrections the body asks for.
+int rounds(const suspension::BodyPlan& body) {
+  if (const auto* rigid = body.rigid()) return rigid->corrections;
+  return body.capsule()->integrator.traits.weights.empty() ? 2 : 0;
+}
+
+double marker_time(const suspension::BodyPlan& body, const BodyCosts& costs) {
+  const auto markers = static_cast<double>(surface::vertex_count(body.frequency));
+  if (const auto* rigid = body.rigid())
+    return markers * costs.marker_pass * (rigid->corrections + 1);
+  const suspension::CapsulePlan& capsule = *body.capsule();
+  const membrane::SchemeTraits& traits = capsule.integrator.traits;
+  if (!traits.weights.empty()) return markers * costs.marker;
+  // Krylov iterations go as the root of the stiffness. Of another scheme that solves, its work over
+  // the implicit one's is known.
+  const double solve = costs.implicit + costs.stiff * std::sqrt(capsule.moduli.k_s) - costs.marker;
+  const double share = traits.cost / membrane::find_scheme("implicit").traits.cost;
+  return markers *
+         (costs.marker + std::max(0.0, solve) * share * capsule.integrator_options.substeps);
+}
+
+}  // namespace
+
+StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed& speed) {
+  StepTime time;
+  const auto nodes = static_cast<double>(plan.node_count());
+  time.fluid = nodes / updates(plan, ranks, speed);
+  double boxes = 0;
+  int most = 0;
+  std::vector<double> work(static_cast<std::size_t>(ranks));
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    boxes += box_nodes(plan.bodies[b]);
+    most = std::max(most, rounds(plan.bodies[b]));
+    work[b % work.size()] += marker_time(plan.bodies[b], speed.bodies);
+  }
+  const BodyCosts& costs = speed.bodies;
+  time.boxes = std::min(boxes, nodes) / ranks *
+               (costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0));
+  time.bodies = *std::ranges::max_element(work);
+  return time;
 }
 
 }  // namespace ductile::drivers

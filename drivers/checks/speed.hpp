@@ -9,11 +9,30 @@
 
 namespace ductile::drivers {
 
-/// Updates a second of a run with two capsules, by storage, and on how many ranks.
-struct KnownSpeed {
-  int ranks = 1;
+/// Node updates a second of the fluid alone, by storage.
+struct FluidSpeed {
   double double_precision = 0;
   double single_precision = 0;
+};
+
+/// What bodies cost in each time step: seconds of one core. Nodes are those of the boxes around
+/// bodies, in which forces act and velocities are told.
+struct BodyCosts {
+  double node = 0;         ///< of a node, over one where no force acts
+  double node_read = 0;    ///< of a node, if any body asks for velocities before the step
+  double node_update = 0;  ///< of a node, in each round of corrections
+  double marker = 0;       ///< of a vertex of an explicit capsule
+  double marker_pass = 0;  ///< of a marker of a rigid body, in each round and once more
+  double implicit = 0;     ///< of a vertex of a capsule of the implicit scheme that is soft
+  double stiff = 0;        ///< on top of that, times the square root of k_s in lattice units
+};
+
+/// What is known of a machine.
+struct KnownSpeed {
+  int ranks = 1;     ///< on which `fluid` was measured
+  FluidSpeed fluid;  ///< on all of them
+  FluidSpeed alone;  ///< on one
+  BodyCosts bodies;
 };
 
 /// Keeps the speed for known_speed(), in `ductile/bench.toml` under $XDG_CACHE_HOME or ~/.cache;
@@ -21,15 +40,25 @@ struct KnownSpeed {
 std::optional<std::string> keep_speed(const KnownSpeed& speed);
 /// What the last keep_speed() on this machine has kept; nothing if there is none that can be read.
 std::optional<KnownSpeed> known_speed();
+/// A cautious guess of a machine with so many cores, which share nothing: a third to a half of what
+/// the development machine does (doc/performance.md).
+KnownSpeed guessed_speed(int cores);
 
 /// Bytes of the fluid's populations on all ranks.
 double population_bytes(const suspension::Plan& plan);
+/// Nodes in the box that is laid around a body.
+double box_nodes(const suspension::BodyPlan& body);
 
-/// Node updates a second on so many cores: the share of what is known of this machine, or a
-/// cautious guess.
-double expected_speed(const suspension::Plan& plan, int cores,
-                      const std::optional<KnownSpeed>& known);
-/// Seconds until the time limit at that speed.
-double estimated_seconds(const Case& given, double speed);
+/// Seconds of a time step, by what is computed.
+struct StepTime {
+  double fluid = 0;
+  double boxes = 0;   ///< force and velocity around bodies
+  double bodies = 0;  ///< markers, membranes and rigid bodies, on the rank that has most to do
+  [[nodiscard]] double total() const { return fluid + boxes + bodies; }
+};
+
+/// Of a plan on so many ranks. Fluid and boxes are shared; a body is worked on by one rank, body b
+/// by rank b modulo their number.
+StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed& speed);
 
 }  // namespace ductile::drivers

@@ -22,8 +22,8 @@ CLI::App* BenchCommand::declare(CLI::App& program) {
   command->add_flag("--json", options_.json, "Print JSON, with every repeat");
   command->footer(
       "Takes one to two minutes; run it under mpirun, on a machine that does nothing else. With\n"
-      "the default --nodes it keeps the speed of the run with two capsules, from which\n"
-      "`ductile check` estimates durations.");
+      "the default --nodes it keeps the speed of the fluid and what bodies cost, from\n"
+      "which `ductile check` estimates durations.");
   return command;
 }
 

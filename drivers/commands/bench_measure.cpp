@@ -192,6 +192,71 @@ const BenchRow& find(const BenchTable& table, std::string_view name, int ranks) 
                        [&](const BenchRow& row) { return row.name == name && row.ranks == ranks; });
 }
 
+// Seconds of the coupler's parts in a step.
+double seconds(const coupling::Profile& profile, std::initializer_list<coupling::Part> parts) {
+  double sum = 0;
+  for (const coupling::Part part : parts) sum += profile[part];
+  return sum / static_cast<double>(profile.steps);
+}
+
+// What a pair of bodies with these keys costs on this rank in a step.
+struct PairTimes {
+  double boxes = 0;    // reading and updating velocities, a node of their boxes
+  double markers = 0;  // all that is done with a marker
+};
+PairTimes time_pair(const std::string& keys, int repeats) {
+  const std::string body = "[[body]]\n" + keys;
+  const Case given = parse_case("channel.nodes = 36\nchannel.length = 6\n" + body +
+                                    "x = 0.2\nz = 0.6\n" + body + "x = -0.2\nz = -0.6\n",
+                                "bench.toml");
+  suspension::Suspension pair(given.plan, MPI_COMM_SELF);
+  for (int n = 0; n < 20; ++n) pair.step();
+  const suspension::BodyPlan& one = given.plan.bodies.front();
+  const auto markers = static_cast<double>(2 * surface::vertex_count(one.frequency));
+  std::vector<double> node_times;
+  std::vector<double> marker_times;
+  for (int n = 0; n < repeats; ++n) {
+    pair.reset_profile();
+    for (int step = 0; step < 60; ++step) pair.step();
+    using enum coupling::Part;
+    node_times.push_back(seconds(pair.profile(), {coupling::Part::boxes}) / (2 * box_nodes(one)));
+    marker_times.push_back(
+        seconds(pair.profile(), {locating, interpolation, bodies, spreading, exchange}) / markers);
+  }
+  return {median(node_times), median(marker_times)};
+}
+
+BodyCosts measure_bodies(const BenchTable& table, int nodes, int ranks, int repeats) {
+  constexpr double soft = 100;
+  constexpr double stiff = 10000;
+  const auto laplace = [](double la) { return fmt::format("laplace = {}\n", la); };
+  const auto root_of_k_s = [](double la) {
+    return std::sqrt(suspension::Units(18, 1.0 / 6, {}).lattice_shear_modulus(la, 7.2));
+  };
+  const std::string implicit = "integrator = \"implicit\"\n";
+  const PairTimes capsules = time_pair(laplace(soft), repeats);
+  const PairTimes rigid = time_pair("kind = \"rigid\"\n", repeats);       // five rounds
+  const PairTimes solved = time_pair(laplace(soft) + implicit, repeats);  // two
+  const PairTimes solved_stiff = time_pair(laplace(stiff) + implicit, repeats);
+  BodyCosts costs;
+  costs.node_update = std::max(0.0, (rigid.boxes - solved.boxes) / 3);
+  costs.node_read = std::max(0.0, solved.boxes - 2 * costs.node_update);
+  costs.marker = capsules.markers;
+  costs.marker_pass = rigid.markers / 6;
+  costs.stiff = std::max(
+      0.0, (solved_stiff.markers - solved.markers) / (root_of_k_s(stiff) - root_of_k_s(soft)));
+  costs.implicit = std::max(0.0, solved.markers - costs.stiff * root_of_k_s(soft));
+  // The fluid with forces in boxes against the same without, as core time of a node in a box.
+  double boxed = 0;
+  for (const fluid::Box& box : boxes(nodes))
+    boxed += static_cast<double>(box[0].size()) * box[1].size() * box[2].size();
+  const BenchRow& row = find(table, "fluid, forces in two boxes", ranks);
+  costs.node =
+      std::max(0.0, (1 / median(row.relative) - 1) * 6 * std::pow(nodes, 3) / boxed * ranks /
+                        median(find(table, "fluid, half-way walls", ranks).updates));
+  return costs;
+}
+
 }  // namespace
 
 BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
@@ -225,6 +290,13 @@ BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
   for (const auto storage : {fluid::Storage::double_precision, fluid::Storage::single_precision}) {
     result.tables.push_back(bench.run(storage));
   }
+  // On one rank, while the others wait.
+  int rank = 0;
+  mpi_check(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
+  if (rank == 0) {
+    result.bodies = measure_bodies(result.tables.back(), options.nodes, ranks, options.repeats);
+  }
+  mpi_check(MPI_Barrier(comm), "MPI_Barrier");
   return result;
 }
 
@@ -257,6 +329,13 @@ std::string table(const BenchResult& result) {
       text += '\n';
     }
   }
+  const BodyCosts& b = result.bodies;
+  text += fmt::format(
+      "\nbodies, microseconds of one core in a step: {:.2f} a vertex of an explicit capsule, "
+      "{:.2f} "
+      "a\nvertex of an implicit one and {:.2f} more times the root of k_s, {:.2f} a marker of a "
+      "rigid body\nin each of its rounds\n",
+      1e6 * b.marker, 1e6 * b.implicit, 1e6 * b.stiff, 1e6 * b.marker_pass);
   for (const BenchTable& t : result.tables) {
     text += fmt::format("\nthe step with two capsules, {} precision:\n{}",
                         t.single_precision ? "single" : "double", table(t.coupled));
@@ -274,6 +353,15 @@ std::string json(const BenchResult& result) {
   json.add("cores", result.cores);
   json.add("kernel", result.instruction_set);
   json.add("triangles", result.triangles);
+  json.open('{', "seconds_of_bodies");
+  json.add("node", result.bodies.node);
+  json.add("node_read", result.bodies.node_read);
+  json.add("node_update", result.bodies.node_update);
+  json.add("marker", result.bodies.marker);
+  json.add("marker_pass", result.bodies.marker_pass);
+  json.add("implicit", result.bodies.implicit);
+  json.add("stiff", result.bodies.stiff);
+  json.close('}');
   json.open('[', "tables");
   for (const BenchTable& t : result.tables) {
     json.open('{');
@@ -312,9 +400,15 @@ bool is_representative(const BenchResult& result) {
 KnownSpeed speed_of(const BenchResult& result) {
   KnownSpeed speed;
   speed.ranks = result.ranks;
+  speed.bodies = result.bodies;
   for (const BenchTable& table : result.tables) {
-    const double updates = median(find(table, "two capsules", result.ranks).updates);
-    (table.single_precision ? speed.single_precision : speed.double_precision) = updates;
+    const auto updates = [&table](int ranks) {
+      return median(find(table, "fluid, half-way walls", ranks).updates);
+    };
+    const auto member =
+        table.single_precision ? &FluidSpeed::single_precision : &FluidSpeed::double_precision;
+    speed.fluid.*member = updates(result.ranks);
+    speed.alone.*member = updates(1);
   }
   return speed;
 }

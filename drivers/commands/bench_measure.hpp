@@ -46,6 +46,7 @@ struct BenchResult {
   std::string instruction_set;
   int triangles = 0;  ///< of each of the two capsules
   std::vector<BenchTable> tables;
+  BodyCosts bodies;  ///< of rank 0, alone
 };
 
 /// Of 90 nodes and the usual repeats, one to two minutes. Collective; the result is rank 0's.
@@ -59,7 +60,7 @@ std::string json(const BenchResult& result);
 /// Whether the result may stand for the machine: of the default lattice, and of no more ranks than
 /// cores.
 bool is_representative(const BenchResult& result);
-/// The speed of the coupled step on all ranks.
+/// What `check` estimates durations from: the fluid on all ranks and on one, and bodies.
 KnownSpeed speed_of(const BenchResult& result);
 
 }  // namespace ductile::drivers

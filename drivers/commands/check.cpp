@@ -1,6 +1,7 @@
 #include "commands/check.hpp"
 
 #include <cstdio>
+#include <limits>
 #include <thread>
 
 #include "checks/read_case.hpp"
@@ -13,6 +14,8 @@ CLI::App* CheckCommand::declare(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("check", "Validate a scenario file and say what the run would be");
   command->add_option("FILE", file_, "The scenario, TOML")->required()->type_name("");
+  command->add_flag("--thorough", thorough_,
+                    "Predict the stability of capsules also where that takes more than a second");
   scenario_.declare(*command);
   return command;
 }
@@ -24,7 +27,8 @@ Case CheckCommand::prepare() const {
 int CheckCommand::execute(MPI_Comm comm, Pictures& /*pictures*/) {
   return with_input(comm, [this] {
     const int cores = static_cast<int>(std::thread::hardware_concurrency());
-    std::fputs(report(prepare(), cores, known_speed()).c_str(), stdout);
+    const double patience = thorough_ ? std::numeric_limits<double>::infinity() : usual_patience;
+    std::fputs(report(prepare(), cores, known_speed(), patience).c_str(), stdout);
   });
 }
 

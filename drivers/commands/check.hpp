@@ -18,6 +18,7 @@ class CheckCommand final : public Command {
 
  private:
   std::string file_;
+  bool thorough_ = false;
   ScenarioArguments scenario_;
 };
 

@@ -86,21 +86,22 @@ Capsule::Capsule(const surface::Mesh& reference, std::span<const Vector3d> posit
       fluid_velocity_(shell_.create_vec()),
       result_(shell_.create_vec()),
       make_integrator_(options.integrator) {
-  const auto require = [&reference](std::span<const Vector3d> vectors, const std::string& what) {
+  const auto require = [&reference](std::span<const Vector3d> vectors, const std::string& one,
+                                    const std::string& many) {
     if (vectors.size() != reference.vertices.size()) {
-      throw std::invalid_argument("capsule: " + std::to_string(vectors.size()) + " " + what +
+      throw std::invalid_argument("capsule: " + std::to_string(vectors.size()) + " " + many +
                                   " for a reference of " +
                                   std::to_string(reference.vertices.size()) + " vertices");
     }
     for (std::size_t i = 0; i < vectors.size(); ++i) {
       if (!vectors[i].allFinite()) {
-        throw std::invalid_argument("capsule: the " + what + " of vertex " + std::to_string(i) +
-                                    " are not finite");
+        throw std::invalid_argument("capsule: the " + one + " of vertex " + std::to_string(i) +
+                                    " is not finite");
       }
     }
   };
-  require(positions, "positions");
-  if (!velocities.empty()) require(velocities, "velocities");
+  require(positions, "position", "positions");
+  if (!velocities.empty()) require(velocities, "velocity", "velocities");
   if (!(options.mobility >= 0) || !std::isfinite(options.mobility)) {
     throw std::invalid_argument("capsule: mobility " + std::to_string(options.mobility) +
                                 " must be finite and not negative");

@@ -86,9 +86,9 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   EXPECT_NE(first.output.find("a guess: run `ductile bench`"), std::string::npos) << first.output;
   const Outcome table = run("bench --nodes 24 --repeats 1", launch);
   EXPECT_EQ(table.exit_code, 0) << table.errors;
-  for (const char* part :
-       {"24 x 24 x 144 nodes, 2 ranks", "fluid kernel for", "double precision", "single precision",
-        "fluid, walls on nodes", "2 ranks are", "of the fluid alone", "spreading"}) {
+  for (const char* part : {"24 x 24 x 144 nodes, 2 ranks", "fluid kernel for", "double precision",
+                           "single precision", "fluid, walls on nodes", "2 ranks are",
+                           "of the fluid alone", "spreading", "a vertex of an explicit capsule"}) {
     EXPECT_NE(table.output.find(part), std::string::npos) << part << " not in\n" << table.output;
   }
   EXPECT_NE(table.errors.find("not kept"), std::string::npos) << table.errors;
@@ -96,9 +96,13 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   ASSERT_EQ(gethostname(host.data(), host.size() - 1), 0);
   fs::create_directories(work() / "cache" / "ductile");
   std::ofstream(work() / "cache" / "ductile" / "bench.toml")
-      << "machine = \"" << host.data() << "\"\nranks = 1\ndouble = 1e8\nsingle = 2e8\n";
+      << "machine = \"" << host.data()
+      << "\"\nranks = 1\ndouble = 1e8\nsingle = 2e8\ndouble_alone = 1e8\nsingle_alone = 2e8\n"
+         "node = 0\nnode_read = 0\nnode_update = 0\nmarker = 0\nmarker_pass = 0\nimplicit = 0\n"
+         "stiff = 0\n";
   const Outcome known = run("check " + quickstart, "XDG_CACHE_HOME=cache ");
-  EXPECT_NE(known.output.find("1 core, at 200 million updates a second, as"), std::string::npos)
+  // 24 x 24 x 72 nodes, 864 steps a unit of time, 60 units: 10.7 s.
+  EXPECT_NE(known.output.find("about 11 s until the time limit on 1 rank, as"), std::string::npos)
       << known.output;
   const Outcome json = run("bench --nodes 24 --repeats 1 --json", launch);
   EXPECT_EQ(json.exit_code, 0) << json.errors;

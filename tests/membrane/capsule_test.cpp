@@ -244,7 +244,12 @@ TEST_F(CapsuleInFluid, RefusesWhatItCannotBe) {
                   "251 positions for a reference of 252 vertices");
   Points nowhere = at_rest_;
   nowhere[8][1] = std::nan("");
-  expect_contains(made(nowhere, with_mobility), "vertex 8 is not finite");
+  expect_contains(made(nowhere, with_mobility), "position of vertex 8 is not finite");
+  const auto moving = [&](const Points& v) {
+    return refusal([&] { const Capsule capsule(sphere_, at_rest_, soft, with_mobility, v); });
+  };
+  expect_contains(moving(nowhere), "velocity of vertex 8 is not finite");
+  expect_contains(moving(Points(7)), "7 velocities for a reference of 252 vertices");
   expect_contains(made(at_rest_, {.mobility = -1, .viscosity = 1}), "mobility -1.0");
   expect_contains(made(at_rest_, {.mobility = .1, .viscosity = 0}), "viscosity 0.0");
 

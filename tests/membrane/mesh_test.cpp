@@ -127,6 +127,17 @@ TEST(Icosphere, ConvergesAtSecondOrderForAnyFrequency) {
   }
 }
 
+// Without the mesh: of all frequencies up to 32 to the digits given, of larger ones closely enough
+// to tell neighbours apart, however they are divided.
+TEST(Mesh, MeanEdgeOfAnIcosphereIsKnownWithoutIt) {
+  for (int n = 1; n <= 32; ++n)
+    EXPECT_NEAR(icosphere_mean_edge(n, 7) / mean_edge(icosphere(n, 7)), 1, 1e-9) << n;
+  for (const int n : {33, 34, 36, 40, 46, 47, 48, 56, 60, 64, 66, 68, 72})
+    EXPECT_NEAR(icosphere_mean_edge(n, 7) / mean_edge(icosphere(n, 7)), 1, 2e-6) << n;
+  // The mesh that this asks for would have 1.4e9 triangles.
+  EXPECT_NEAR(frequency_for_edge(2048, 0.3), 1.206 * 2048 / 0.3, 30);
+}
+
 TEST(Mesh, FrequencyForEdgeGivesTheNearestMeanEdge) {
   for (const double edge : {.5, .68, .87, 1.2, 1.4, 3.}) {
     const double radius = 7.2;

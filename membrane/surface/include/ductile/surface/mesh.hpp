@@ -38,6 +38,10 @@ constexpr double icosphere_edge(double radius, int frequency) {
 /// Mean length of the edges of a closed mesh.
 double mean_edge(const Mesh& mesh);
 
+/// Mean length of the edges of icosphere(frequency, radius), without making it: to 1e-9 up to a
+/// frequency of 32, to 2e-6 beyond. Throws std::invalid_argument if either is not positive.
+double icosphere_mean_edge(int frequency, double radius);
+
 /// The frequency n of the icosphere of `radius` whose mean edge is nearest to `edge` (at least 2).
 /// Throws std::invalid_argument if either is not positive.
 int frequency_for_edge(double radius, double edge);
