@@ -79,8 +79,12 @@ void GapFinder::add_bodies(const Surface& a, const Surface& b, double reach,
   for (const double y : shifts[1]) {
     for (const double z : shifts[2]) {
       if (same && y == 0 && z == 0) continue;
-      nearest =
-          std::min(nearest, surface::distance(a.view, b.view, Vector3d(0, y, z), reach + offset));
+      const Vector3d shift(0, y, z);
+      // Most are far apart, and their vertices need not be looked at.
+      const bool near = (b.box.low + shift - a.box.high).maxCoeff() < reach + offset &&
+                        (a.box.low - b.box.high - shift).maxCoeff() < reach + offset;
+      if (near)
+        nearest = std::min(nearest, surface::distance(a.view, b.view, shift, reach + offset));
     }
   }
   if (nearest - offset >= reach) return;
