@@ -187,6 +187,7 @@ Key<T> identifier(std::string_view name, std::string T::*member, std::string_vie
 std::vector<std::pair<std::string_view, std::string>> themselves(
     const std::vector<std::string_view>& names) {
   std::vector<std::pair<std::string_view, std::string>> options;
+  options.reserve(names.size());
   for (const std::string_view name : names) options.emplace_back(name, name);
   return options;
 }

@@ -18,7 +18,8 @@ struct Field {
 };
 Field fields(Fluid& fluid) {
   const auto& n = fluid.options().nodes;
-  const auto count = static_cast<std::size_t>(n[0] * n[1] * n[2]);
+  const auto count = static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) *
+                     static_cast<std::size_t>(n[2]);
   Field field{std::vector<double>(count), std::vector<double>(3 * count)};
   fluid.fields(field.density, field.velocity);
   return field;
@@ -157,8 +158,8 @@ TEST(ShearWave, IsCarriedByTheFlowAsTheRelaxationTimesSay) {
 
 struct Duct {
   Options options;
-  std::array<double, 2> half_width;
-  double maximum;
+  std::array<double, 2> half_width{};
+  double maximum = 0;
 };
 
 // A duct of 2W = `width` in x, `aspect` times as wide in y, of Reynolds number about 10/aspect.
@@ -252,8 +253,8 @@ TEST_P(DuctWalls, StartsUpFromRestAsTheSeries) {
   for (const auto& [t, expected] : table) {
     while (static_cast<double>(fluid.time()) < std::round(t * unit)) fluid.step();
     const Field field = fields(fluid);
-    const int c = d.options.nodes[0] / 2;
-    const auto n = static_cast<std::size_t>((c * d.options.nodes[1] + c) * 2);
+    const auto across = static_cast<std::size_t>(d.options.nodes[0]);  // also along y
+    const std::size_t n = (across / 2 * across + across / 2) * 2;
     EXPECT_NEAR(field.velocity[2 * field.density.size() + n] / d.maximum, expected, 0.01 * expected)
         << "at t = " << t;
   }
