@@ -162,7 +162,8 @@ inline Drift random_drift(Dice& dice, double onset, double sign) {
   return drift;
 }
 
-inline SyntheticPair random_pair(Kind kind, Dice& dice) {
+/// A pair of that kind that rests: its limits, approach, noise and sampling.
+inline SyntheticPair random_background(Kind kind, Dice& dice) {
   SyntheticPair p;
   p.kind = kind;
   p.interval = dice.log_uniform(0.05, 2);
@@ -183,7 +184,11 @@ inline SyntheticPair random_pair(Kind kind, Dice& dice) {
     p.x_wave[body] = Wave::random(dice, dice.uniform(0, p.clean ? 0.003 : 0.02), 4, 12);
   }
   p.decays[0] = {dice.uniform(-0.8, 0.8), dice.uniform(2, 12)};
+  return p;
+}
 
+inline SyntheticPair random_pair(Kind kind, Dice& dice) {
+  SyntheticPair p = random_background(kind, dice);
   switch (kind) {
     case Kind::rests:
       break;
