@@ -23,6 +23,10 @@ std::optional<double> limit(const std::optional<Outlook>& outlook) {
                                                              : std::nullopt;
 }
 
+std::optional<double> error(const std::optional<Outlook>& outlook) {
+  return limit(outlook) ? std::optional(outlook->error) : std::nullopt;
+}
+
 void add_body(Json& json, const BodySummary& body, std::int64_t steps) {
   json.open('{');
   json.add("name", body.name);
@@ -30,6 +34,7 @@ void add_body(Json& json, const BodySummary& body, std::int64_t steps) {
   json.add("velocity_nu_over_W", body.velocity);
   json.add("x_settled", settled(body.lateral));
   json.add("x_limit_W", limit(body.lateral));
+  json.add("x_limit_error_W", error(body.lateral));
   json.add("x_rate_nu_over_W", rate(body.lateral));
   if (body.capsule) {
     const CapsuleSummary& capsule = *body.capsule;

@@ -68,9 +68,9 @@ Recorder::Finding Recorder::take(const suspension::Sample& sample) {
   }
   if (!pair()) return Finding::go_on;
   judge_.update(sample);
-  const RunLimits& limits = given_.scenario.run;
-  if (std::abs(axial_distance(sample)) >= limits.stop_distance) return Finding::too_far;
-  return judge_.verdict().decided() && limits.until_decided ? Finding::decided : Finding::go_on;
+  if (judge_.parted()) return Finding::too_far;
+  return judge_.verdict().decided() && given_.scenario.run.until_decided ? Finding::decided
+                                                                         : Finding::go_on;
 }
 
 void Recorder::write_frame(double time, const std::vector<suspension::SurfaceState>& surfaces,

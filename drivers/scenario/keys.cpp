@@ -353,7 +353,7 @@ const std::vector<Key<RunLimits>>& run_keys() {
   static const std::vector<Key<R>> keys = {
       number("time_limit", &R::time_limit, above(0, 1e5), "W^2/nu", "The run stops at this time"),
       number("stop_distance", &R::stop_distance, above(0), "W",
-             "The run stops when a pair's axial distance is beyond this",
+             "The run stops when a pair's axial distance has come to this from below",
              "10, or in a shorter channel its length less 2, or half its length if that is more"),
       flag("until_decided", &R::until_decided, "Stop as soon as the verdict of a pair is certain"),
       flag("stop_at_contact", &R::stop_at_contact,

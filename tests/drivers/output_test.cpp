@@ -555,7 +555,7 @@ class SummaryFile : public Output {
     s.verdict = Verdict{PairClass::damped, 47, "dz rests at 1.2"};
     s.dz = std::sqrt(2.0);
     BodySummary lead{"lead", {0.1, -0.0, 1e300}, {0, 1.0 / 3, std::nan("")}, {}, {}};
-    lead.lateral = Outlook{Outlook::State::resting, 0.3, 1e-4, 0.3, 0, true};
+    lead.lateral = Outlook{Outlook::State::resting, 0.3, 1e-4, 0.3, 0, true, 0.009};
     BodySummary lag = lead;
     lag.name = "lag";
     lag.lateral.reset();
@@ -593,6 +593,7 @@ assert s['dz_W'] == math.sqrt(2)
 assert lead['name'] == 'lead' and lead['position_W'] == [0.1, 0, 1e300]
 assert lead['velocity_nu_over_W'] == [0, 1/3, None]
 assert lead['x_settled'] is True and lead['x_limit_W'] == 0.3 and lead['x_rate_nu_over_W'] == 1e-4
+assert lead['x_limit_error_W'] == 0.009 and lag['x_limit_error_W'] is None
 assert 'k_v_rho_nu2_over_W2' not in lead
 assert lag['x_settled'] is None and lag['x_limit_W'] is None
 assert lag['k_v_rho_nu2_over_W2'] == 75000 and lag['volume_error_max'] == 0.002

@@ -301,6 +301,40 @@ TEST_F(Program, ProfileShowsTheTimeByPart) {
   }
 }
 
+// Two that start further apart than the stop distance, half of a short channel, pass each other.
+TEST_F(Program, PairInShearStartsBeyondTheStopDistance) {
+  std::ofstream(work() / "shear.toml") << R"(
+[channel]
+nodes = 16
+length = 3
+reynolds = 0
+side_walls = false
+wall_velocity = [-5.0, 5.0]
+[run]
+time_limit = 2
+[[body]]
+name = "lead"
+kind = "rigid"
+radius = 0.3
+x = 0.4
+z = -0.8
+[[body]]
+name = "lag"
+kind = "rigid"
+radius = 0.3
+x = -0.4
+z = 0.8
+)";
+  const Outcome outcome = run("run shear.toml");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const std::string summary = contents(work() / "runs/shear/summary.json");
+  EXPECT_NE(summary.find("\"status\": \"stopped at dz\""), std::string::npos) << summary;
+  EXPECT_NE(
+      summary.find("\"|dz| has reached 1.5; the lagging particle has passed the leading one\""),
+      std::string::npos)
+      << summary;
+}
+
 TEST_F(Program, DoesNotOverwriteARunUnlessTold) {
   const std::string arguments =
       "run " DUCTILE_SCENARIO_DIR "/quickstart.toml --set run.time_limit=0.01 -o out";
