@@ -93,10 +93,14 @@ class RigidBody final : public Body {
     rigid::State state;
     state.position = body.centre;
     state.orientation = Eigen::Quaterniond(body.rotation);
-    const rigid::Surface markers =
-        rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
-    const rigid::Solid solid = rigid::solid_of(*body.shape);
-    return {rigid::lined(markers, solid, options), solid, options, state};
+    return {markers_of(body), rigid::solid_of(*body.shape), options, state};
+  }
+
+  static rigid::Surface markers_of(const BodyPlan& body) {
+    const RigidPlan& kind = *body.rigid();
+    return kind.interior == Interior::solid
+               ? rigid::lined(*body.shape, body.frequency, kind.retraction)
+               : rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
   }
 
   const Units& units_;
