@@ -13,6 +13,7 @@
 
 #include "analysis/contacts.hpp"
 #include "checks/geometry.hpp"
+#include "scenario/defaults.hpp"
 #include "scenario/errors.hpp"
 
 namespace ductile::drivers {
@@ -218,6 +219,23 @@ void check_symmetry(const Plan& plan) {
   }
 }
 
+/// Whether each light body full of fluid is stable.
+void check_densities(const Plan& plan) {
+  for (const suspension::BodyPlan& body : plan.bodies) {
+    const suspension::RigidPlan* kind = body.rigid();
+    if (kind == nullptr || kind->interior == suspension::Interior::solid ||
+        kind->density_ratio >= 1)
+      continue;
+    const double least = least_density_ratio(*body.shape, body.frequency, kind->retraction);
+    if (kind->density_ratio >= least) continue;
+    throw ScenarioError(
+        "body." + body.name + ".density_ratio",
+        fmt::format("must be at least {:.3g} for a body of this size with fluid inside: raise it, "
+                    "or set interior = \"solid\"",
+                    least));
+  }
+}
+
 }  // namespace
 
 void validate(const Case& given) {
@@ -228,6 +246,7 @@ void validate(const Case& given) {
   check_periodic_sides(given.plan);
   check_gaps(given.plan);
   check_symmetry(given.plan);
+  check_densities(given.plan);
 }
 
 }  // namespace ductile::drivers

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ductile/rigid/body.hpp"
+#include "ductile/surface/mesh.hpp"
+
 namespace ductile::drivers {
 
 double default_volume_modulus(const ChannelOptions& channel, const FluidOptions& fluid) {
@@ -13,6 +16,33 @@ double default_volume_modulus(const ChannelOptions& channel, const FluidOptions&
   if (bearable >= paper_volume_modulus) return paper_volume_modulus;
   const double unit = std::pow(10.0, std::floor(std::log10(bearable)) - 2);
   return std::floor(bearable / unit) * unit;
+}
+
+int mesh_frequency(int frequency, double edge, double radius, double half_width) {
+  // A body that cannot fit is refused later, without the cost of its mesh.
+  return frequency > 0 ? frequency
+                       : surface::frequency_for_edge(std::min(radius, half_width), edge);
+}
+
+double least_density_ratio(const surface::Shape& shape, int frequency, double retraction) {
+  constexpr int fine = 24;
+  rigid::Surface surface = rigid::markers_of(shape.mesh(std::min(frequency, fine)));
+  const double scale = 1 - retraction / shape.radius();
+  for (Eigen::Vector3d& marker : surface.markers) marker *= scale;
+  for (double& area : surface.areas) area *= scale * scale;
+  return rigid::least_density_ratio(surface, rigid::solid_of(shape), rigid::Options{}.relaxation);
+}
+
+suspension::Interior default_interior(const ChannelOptions& channel, const BodyOptions& body) {
+  const double half_width = suspension::half_width(channel.nodes, channel.walls);
+  const double radius = body.radius * half_width;
+  const RigidOptions& options = body.rigid;
+  // A radius of 2 is the least that is accepted, and needs no shells.
+  if (body.density_ratio >= 1 || radius < 2) return suspension::Interior::fluid;
+  const double least = least_density_ratio(
+      *surface::make_shape(body.shape, radius),
+      mesh_frequency(options.frequency, options.edge, radius, half_width), options.retraction);
+  return body.density_ratio < least ? suspension::Interior::solid : suspension::Interior::fluid;
 }
 
 double default_stop_distance(const ChannelOptions& channel) {

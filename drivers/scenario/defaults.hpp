@@ -1,6 +1,7 @@
 // Defaults that follow from other keys.
 #pragma once
 
+#include "ductile/surface/shape.hpp"
 #include "scenario/scenario.hpp"
 
 namespace ductile::drivers {
@@ -11,6 +12,19 @@ constexpr double paper_volume_modulus = 75000;  ///< rho nu^2/W^2
 /// lattice units, what 1.5 comes to, rounded down to three digits. The explicit scheme bears more,
 /// unless the capsule or tau is small (analysis/stability.hpp).
 double default_volume_modulus(const ChannelOptions& channel, const FluidOptions& fluid);
+
+/// Frequency of a body's mesh: the key of that name, or if that is 0, as the key edge demands; all
+/// lengths in lattice spacings.
+int mesh_frequency(int frequency, double edge, double radius, double half_width);
+
+/// The least density ratio at which a rigid body is stable with fluid inside, by
+/// rigid::least_density_ratio; all lengths in lattice spacings, retraction below the radius. A
+/// coarse mesh, which has a little less area, stands for a fine one.
+double least_density_ratio(const surface::Shape& shape, int frequency, double retraction);
+
+/// interior of a rigid body: a solid where it is too light to be stable with fluid inside, else
+/// fluid. Takes all else that is said of the body.
+suspension::Interior default_interior(const ChannelOptions& channel, const BodyOptions& body);
 
 /// [run] stop_distance, in W: 10, or in a shorter channel its length less 2, or half its length if
 /// that is more.

@@ -146,7 +146,8 @@ Key<T> flag(std::string_view name, bool T::*member, std::string_view meaning) {
 /// One of a few names, each standing for a value.
 template <class T, class Value>
 Key<T> choice(std::string_view name, Value T::*member,
-              std::vector<std::pair<std::string_view, Value>> options, std::string_view meaning) {
+              std::vector<std::pair<std::string_view, Value>> options, std::string_view meaning,
+              std::string_view default_rule = "") {
   std::string expected;
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < options.size(); ++i) {
@@ -170,7 +171,7 @@ Key<T> choice(std::string_view name, Value T::*member,
       if (table.*member == value) return in_quotes(option);
     return in_quotes("");
   };
-  return {name, std::move(expected), "", meaning, "", std::move(read), std::move(write)};
+  return {name, std::move(expected), "", meaning, default_rule, std::move(read), std::move(write)};
 }
 
 template <class T>
@@ -300,6 +301,13 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
       number("retraction", &R::retraction, between(0, 1), "dx",
              "How far inside of its surface a body's markers lie: the kernel makes a body felt "
              "about 0.5 further out than its markers are; 0 is the paper's method"),
+      choice<R, suspension::Interior>(
+          "interior", &R::interior,
+          {{"fluid", suspension::Interior::fluid}, {"solid", suspension::Interior::solid}},
+          "What fills the surface: fluid that it alone moves, the paper's method, which follows a "
+          "change of spin only within a^2/(20 nu); or a solid, made by inner shells of markers, "
+          "for which the retraction that makes the drag right is 0.7, not 0.5",
+          "fluid, or solid for a body that is too light to be stable with fluid inside"),
       number("edge", &R::edge, between(0.3, 4), "dx", "Mean edge of the surface's mesh"),
       whole("frequency", &R::frequency, between(0, 1024), "",
             "Mesh of 20 n^2 triangles (the paper's 20480: 32); 0: as edge demands"),

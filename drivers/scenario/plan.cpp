@@ -1,10 +1,11 @@
 #include "scenario/plan.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "scenario/defaults.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -37,14 +38,12 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const Units& units) {
   const bool capsule = body.kind == BodyKind::capsule;
   const int frequency = capsule ? body.membrane.frequency : body.rigid.frequency;
   const double edge = capsule ? body.membrane.edge : body.rigid.edge;
-  // A body that cannot fit is refused later, without the cost of its mesh.
-  const double meshed = std::min(radius, units.half_width());
-  plan.frequency = frequency > 0 ? frequency : surface::frequency_for_edge(meshed, edge);
+  plan.frequency = mesh_frequency(frequency, edge, radius, units.half_width());
   if (capsule) {
     plan.kind = capsule_plan(body, radius, units);
   } else {
     plan.kind = suspension::RigidPlan{body.density_ratio, body.rigid.iterations, body.rigid.memory,
-                                      body.rigid.retraction};
+                                      body.rigid.retraction, body.rigid.interior};
   }
   return plan;
 }

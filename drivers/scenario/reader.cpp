@@ -184,6 +184,9 @@ class Reader {
     } else {
       read_keys(table, path, rigid_body_keys(), body);
       read_keys(table, path, rigid_keys(), body.rigid);
+      const auto* common = document_.root()["rigid"].as_table();
+      if (!table.contains("interior") && (common == nullptr || !common->contains("interior")))
+        body.rigid.interior = default_interior(s.channel, body);
       applicable = names_of(body_keys(), rigid_body_keys(), rigid_keys());
     }
     for (const auto& [key, node] : table) {

@@ -63,6 +63,7 @@ struct RigidOptions {
   int iterations = 5;
   double memory = 0;
   double retraction = 0;
+  suspension::Interior interior = suspension::Interior::fluid;
   double edge = 1.2;
   int frequency = 0;
   bool operator==(const RigidOptions&) const = default;

@@ -21,6 +21,15 @@ constexpr double largest_response = 0.381;
 constexpr double least_fluid = 2.5;
 // Shells at this distance hardly feel each other through the kernel.
 constexpr double shell_spacing = 3;
+// The first is nearer to the surface, so that it keeps hold of all the fluid that the surface's own
+// kernel averages over; with its whole area the corrections of two bodies that touch would not
+// converge.
+constexpr double first_depth = 1.5;
+constexpr double first_weight = 0.5;
+// What is left inside is less than the kernel's reach.
+constexpr double least_shell = 2;
+// Edges of a shell over those of the surface: nothing is to be seen from outside.
+constexpr double shell_coarseness = 1.5;
 // A step that moves a marker further is at 0.87 of the speed of sound: long past the lattice
 // Boltzmann method's range.
 constexpr double largest_displacement = 0.5;
@@ -128,20 +137,20 @@ Matrix6d displaced_tensor(const Solid& solid) {
   return tensor;
 }
 
-// The least density ratio at which a free body is stable.
-double least_density_ratio(const Matrix6d& area, const Matrix6d& displaced, double kappa) {
+}  // namespace
+
+double least_density_ratio(const Surface& surface, const Solid& solid, double relaxation) {
   // Displaced fluid per area, in the rigid motion that has most of it: a/3 for a sphere.
   const double thickness =
-      Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(displaced, area, Eigen::EigenvaluesOnly)
+      Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(
+          displaced_tensor(solid), area_tensor(surface), Eigen::EigenvaluesOnly)
           .eigenvalues()[5];
   // A rigid mode of slip shrinks with each correction by
   //     (1 - kappa lambda) (M - M_f)/(2 kappa A + M - M_f),
   // which for M < M_f is less than 1 in magnitude if M_f - M < converging A.
-  const double converging = 2 * kappa / (1 + std::abs(1 - kappa * largest_response));
+  const double converging = 2 * relaxation / (1 + std::abs(1 - relaxation * largest_response));
   return 1 - std::min(converging, least_fluid) / thickness;
 }
-
-}  // namespace
 
 Solid solid_of(const surface::Shape& shape) {
   return {shape.volume(), shape.inertia()};
@@ -151,23 +160,18 @@ Surface markers_of(const surface::Mesh& mesh) {
   return {mesh.vertices, surface::vertex_areas(mesh)};
 }
 
-Surface lined(Surface surface, const Solid& solid, const Options& options) {
-  check_surface(surface);
-  check_solid(solid);
-  check_options(options);
-  const Surface outer = surface;
+Surface lined(const surface::Shape& shape, int frequency, double retraction) {
+  Surface surface = markers_of(shape.mesh(frequency, -retraction));
   double radius = 0;
-  for (const Vector3d& r : outer.markers) radius = std::max(radius, r.norm());
-  const Matrix6d displaced = displaced_tensor(solid);
-  for (double inner = radius - shell_spacing;
-       inner > shell_spacing && options.motion == Motion::free &&
-       options.density_ratio <
-           least_density_ratio(area_tensor(surface), displaced, options.relaxation);
-       inner -= shell_spacing) {
-    const double scale = inner / radius;
-    for (std::size_t m = 0; m < outer.markers.size(); ++m) {
-      surface.markers.emplace_back(scale * outer.markers[m]);
-      surface.areas.push_back(scale * scale * outer.areas[m]);
+  for (const Vector3d& r : surface.markers) radius = std::max(radius, r.norm());
+  for (double depth = first_depth; radius - depth >= least_shell; depth += shell_spacing) {
+    const double scale = 1 - depth / radius;
+    const double weight = scale * scale * (depth == first_depth ? first_weight : 1);
+    const int coarser = static_cast<int>(std::lround(frequency * scale / shell_coarseness));
+    const Surface shell = markers_of(shape.mesh(std::max(2, coarser), -retraction));
+    for (std::size_t m = 0; m < shell.markers.size(); ++m) {
+      surface.markers.emplace_back(scale * shell.markers[m]);
+      surface.areas.push_back(weight * shell.areas[m]);
     }
   }
   return surface;
@@ -194,11 +198,12 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
     reject(marker_count(), " markers on a line or fewer than 3: they must span a surface");
 
   if (options_.motion == Motion::free) {
-    const double least = least_density_ratio(area, displaced, options_.relaxation);
+    const double least = least_density_ratio(surface_, solid_, options_.relaxation);
     if (!(options_.density_ratio >= least))
       reject("density_ratio = ", options_.density_ratio, " is below ", least,
              ", the least that is stable for a free body with this surface and relaxation ",
-             options_.relaxation, ": choose it larger, or add inner shells (rigid::lined)");
+             options_.relaxation,
+             ": choose it larger, or make the body solid by inner shells (rigid::lined)");
     balance_.compute(2 * options_.relaxation * area + (options_.density_ratio - 1) * displaced);
   }
   if (options_.memory == 0) {

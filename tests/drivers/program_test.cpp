@@ -245,7 +245,8 @@ TEST_F(Program, HalfOfASymmetricChannelGivesTheSameTrajectory) {
       << "[channel]\nlength = 5\n[fluid]\nstorage = \"double\"\n[run]\ntime_limit = 0.5\n"
          "[output]\nevery = 0.02\nsurfaces_every = 0\n"
          "[[body]]\nlaplace = 100\nradius = 0.4\nx = 0.2\nz = 0.5\n"
-         "[[body]]\nkind = \"rigid\"\nradius = 0.4\nx = -0.2\nz = -0.5\n";
+         "[[body]]\nkind = \"rigid\"\ninterior = \"solid\"\nradius = 0.45\nx = -0.2\nz = "
+         "-0.5\n";
   for (const std::string lattice : {"--set channel.nodes=16", "--set channel.nodes=17",
                                     "--set channel.nodes=17 --set channel.walls=regularized"}) {
     const std::string command = "run " + file + " --force " + lattice;

@@ -61,6 +61,7 @@ TEST(Scenario, EmptyFileGetsEveryDefault) {
   EXPECT_EQ(s.membrane.integrator, "explicit-euler");
   EXPECT_EQ(s.rigid.iterations, 5);
   EXPECT_EQ(s.rigid.memory, 0);
+  EXPECT_EQ(s.rigid.interior, suspension::Interior::fluid);
   EXPECT_EQ(s.run.time_limit, 60);
   EXPECT_EQ(s.run.stop_distance, 10);
   EXPECT_TRUE(s.run.until_decided);
@@ -184,6 +185,7 @@ frequency = 9
 [rigid]
 iterations = 7
 memory = 0.85
+interior = "solid"
 edge = 1.1
 frequency = 11
 [run]
@@ -448,6 +450,36 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       EXPECT_EQ(message, wrong.message) << wrong.text;
     }
   }
+}
+
+// Fluid inside unless that is said to be otherwise, or the body is too light for it: at a = 18 dx
+// below 1 - 7.5/18.
+TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
+  const std::string channel = "[channel]\nnodes = 80\n";
+  const auto body = [](const std::string& ratio) {
+    return "[[body]]\nname = \"a\"\nkind = \"rigid\"\nradius = 0.45\ndensity_ratio = " + ratio +
+           "\n";
+  };
+  const auto interior = [](const std::string& text) {
+    return read(text, "case.toml").bodies.at(0).rigid.interior;
+  };
+  using enum suspension::Interior;
+  EXPECT_EQ(interior(channel + body("0.57")), solid);
+  EXPECT_EQ(interior(channel + body("0.6")), fluid);
+  EXPECT_EQ(interior("[channel]\nnodes = 30\n" + body("0.5")), fluid);
+  // Markers inside of the surface have less area.
+  EXPECT_EQ(interior(channel + body("0.6") + "retraction = 1\n"), solid);
+  const std::string common = "[rigid]\ninterior = ";
+  EXPECT_EQ(interior(channel + common + "\"solid\"\n" + body("2")), solid);
+  const Scenario light = read(channel + body("0.57"), "case.toml");
+  EXPECT_EQ(read(resolved_toml(light), "scenario.toml"), light);
+
+  EXPECT_EQ(refusal(channel + body("0.57")), "");
+  EXPECT_NE(refusal(channel + common + "\"fluid\"\n" + body("0.57")), "");
+  EXPECT_EQ(
+      refusal(channel + body("0.57") + "interior = \"fluid\"\n"),
+      "case.toml:7:17: body.a.density_ratio = 0.57: must be at least 0.584 for a body of this "
+      "size with fluid inside: raise it, or set interior = \"solid\"");
 }
 
 // Meshes of any frequency, turned about y or by right angles, are their own mirror images.

@@ -22,6 +22,7 @@
 namespace {
 
 using ductile::rigid::Body;
+using ductile::rigid::least_density_ratio;
 using ductile::rigid::lined;
 using ductile::rigid::markers_of;
 using ductile::rigid::Motion;
@@ -32,6 +33,7 @@ using ductile::rigid::solid_of;
 using ductile::rigid::State;
 using ductile::rigid::StateReader;
 using ductile::rigid::Surface;
+using ductile::surface::Sphere;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -69,7 +71,7 @@ Surface cubic(double radius) {
 }
 
 Solid ball(double radius) {
-  return solid_of(ductile::surface::Sphere(radius));
+  return solid_of(Sphere(radius));
 }
 
 // An ellipsoid's solid, and markers on it.
@@ -513,23 +515,81 @@ TEST(RigidBody, TooLightAndLargeABodyIsRefusedWithoutInnerShells) {
   options.density_ratio = 0.5;
   const Surface surface = spiral(18, 400);
   EXPECT_THROW(Body(surface, ball(18), options, {}), std::invalid_argument);
-  const Surface with_shells = lined(surface, ball(18), options);
-  EXPECT_EQ(with_shells.markers.size(), 800U);
-  EXPECT_EQ(with_shells.markers[399], surface.markers[399]);
-  EXPECT_NEAR(with_shells.markers[400].norm(), 15, 1e-12);
-  EXPECT_NEAR(with_shells.areas[400], surface.areas[0] * 225 / 324, 1e-12);
-  EXPECT_NO_THROW(Body(with_shells, ball(18), options, {}));
+  EXPECT_NO_THROW(Body(lined(Sphere(18), 18, 0), ball(18), options, {}));
+  EXPECT_NEAR(least_density_ratio(surface, ball(18), 2), 1 - 7.5 / 18, 1e-6);
+  options.density_ratio = 1 - 7.5 / 18 + 1e-6;
+  EXPECT_NO_THROW(Body(surface, ball(18), options, {}));
 
   // Corrections that would not converge are refused too: (M_f - M)/A = 4/3 here.
+  options.density_ratio = 0.5;
   options.relaxation = 1;
   EXPECT_THROW(Body(spiral(8, 100), ball(8), options, {}), std::invalid_argument);
   options.relaxation = 2;
   EXPECT_NO_THROW(Body(spiral(8, 100), ball(8), options, {}));
-  EXPECT_EQ(lined(spiral(8, 100), ball(8), options).markers.size(), 100U);
   // A prescribed body has no such bound.
   options.motion = Motion::prescribed;
   EXPECT_NO_THROW(Body(surface, ball(18), options, {}));
-  EXPECT_EQ(lined(surface, ball(18), options).markers.size(), 400U);
+}
+
+TEST(LinedBody, HasShellsInsideOfItsSurface) {
+  // Radii and the share of each in the area, the first one's halved.
+  const double retraction = 0.4, a = 10.4 - retraction;
+  const Surface surface = lined(Sphere(10.4), 10, retraction);
+  const Surface outer = markers_of(Sphere(10.4).mesh(10, -retraction));
+  ASSERT_GT(surface.markers.size(), outer.markers.size());
+  for (std::size_t m = 0; m < outer.markers.size(); ++m) {
+    ASSERT_EQ(surface.markers[m], outer.markers[m]);
+    ASSERT_EQ(surface.areas[m], outer.areas[m]);
+  }
+  std::map<double, double> areas;  // of the shells, by radius
+  for (std::size_t m = outer.markers.size(); m < surface.markers.size(); ++m)
+    areas[std::round(1e6 * surface.markers[m].norm()) * 1e-6] += surface.areas[m];
+  ASSERT_EQ(areas.size(), 3U);
+  for (const auto& [radius, weight] : std::map<double, double>{{8.5, 0.5}, {5.5, 1}, {2.5, 1}}) {
+    ASSERT_TRUE(areas.contains(radius)) << radius;
+    // Flat triangles with edges of 1.8 or, at the least, 2.5 on a radius of 2.5.
+    const double area = weight * 4 * pi * radius * radius;
+    EXPECT_NEAR(areas[radius], area, (radius < a / 2 ? 0.25 : 0.03) * area) << radius;
+  }
+  // Too small for any.
+  EXPECT_EQ(lined(Sphere(3.4), 3, 0).markers.size(), 92U);
+  EXPECT_GT(lined(Sphere(3.6), 3, 0).markers.size(), 92U);
+}
+
+TEST(LinedBody, KeepsTheBalancesOfMomentum) {
+  // (2) and (3) with all markers, and what the body reports follows from its own motion: M U' =
+  // force + (M - M_f) g, and alike for the spin.
+  const double ratio = 2, a = 8;
+  const Surface surface = lined(Sphere(a), 8, 0);
+  const Solid solid = ball(a);
+  Options options;
+  options.density_ratio = ratio;
+  options.gravity = {0, 3e-5, 1e-4};
+  options.corrections = 2;
+  options.memory = 0.9;
+  State start;
+  start.velocity = {0.01, 0, 0};
+  start.angular_velocity = {0, 1e-3, 0};
+  Body body(surface, solid, options, start);
+  const auto flow = local_fluid(surface, [](const Vector3d& y) {
+    return Vector3d(0.001 * y.z(), 0.0002 * y.x() * y.y(), 0.02 + 0.0005 * y.x());
+  });
+  const double inertia = solid.inertia(0, 0);
+  for (int n = 0; n < 30; ++n) {
+    const State before = body.state();
+    const Impulse impulse = step(body, flow);
+    const Vector3d dU = body.state().velocity - before.velocity;
+    const Vector3d dW = body.state().angular_velocity - before.angular_velocity;
+    const double weight = solid.volume * 1e-2;
+    const Vector3d excess = (ratio - 1) * solid.volume * (dU - options.gravity);
+    ASSERT_LT((excess + impulse.force).norm(), 1e-12 * weight);
+    ASSERT_LT(((ratio - 1) * inertia * dW + impulse.torque).norm(), 1e-12 * a * weight);
+    ASSERT_LT((body.hydrodynamic_force() - ratio * solid.volume * dU +
+               (ratio - 1) * solid.volume * options.gravity)
+                  .norm(),
+              1e-12 * weight);
+    ASSERT_LT((body.hydrodynamic_torque() - ratio * inertia * dW).norm(), 1e-12 * a * weight);
+  }
 }
 
 TEST(PrescribedBody, MovesAsToldAndReportsTheForceItTakes) {
@@ -714,8 +774,8 @@ TEST_P(Memory, LoadedBodyGoesOnToTheLastBit) {
   Options light = heavy, told = heavy;
   light.density_ratio = 0.5;
   told.motion = Motion::prescribed;
-  const Surface shells = lined(spiral(18, 400), ball(18), light);
-  ASSERT_EQ(shells.markers.size(), 800U);
+  const Surface shells = lined(Sphere(18), 6, 0);
+  ASSERT_GT(shells.markers.size(), markers_of(Sphere(18).mesh(6)).markers.size());
   const auto check = [](const Surface& surface, const Solid& solid, const Options& options) {
     const auto flow = local_fluid(surface, [](const Vector3d& y) {
       return Vector3d(0.001 * y.z(), 0.0003 * y.x(), 0.02 + 0.0005 * y.x());

@@ -30,10 +30,10 @@ Plan channel(std::array<int, 3> nodes) {
 }
 
 BodyPlan body(const Plan& plan, const std::string& name, const std::string& shape,
-              const Eigen::Vector3d& at) {
+              const Eigen::Vector3d& at, double radius = 0.3) {
   BodyPlan body;
   body.name = name;
-  body.shape = surface::make_shape(shape, plan.units.lattice_length(0.3));
+  body.shape = surface::make_shape(shape, plan.units.lattice_length(radius));
   body.frequency = surface::frequency_for_edge(body.shape->radius(), 1.2);
   body.centre = plan.units.lattice_position(at);
   return body;
@@ -61,7 +61,9 @@ Plan everything(fluid::Storage storage) {
   };
   add(body(plan, "soft", "sphere", {0.3, 0, 1.9}),
       capsule(plan, membrane::find_scheme("explicit-euler"), 10));
-  add(body(plan, "hard", "sphere", {-0.35, 0, 1.6}), RigidPlan{2, 2, 0.9, 0.3});
+  // Large enough for an inner shell.
+  add(body(plan, "hard", "sphere", {-0.35, 0, 1.5}, 0.4),
+      RigidPlan{2, 2, 0.9, 0.3, Interior::solid});
   add(body(plan, "cell", "biconcave", {0.1, -0.1, 0.2}),
       capsule(plan, membrane::find_scheme("implicit"), 1000));
   add(body(plan, "second", "sphere", {-0.3, 0.2, -0.9}),
@@ -218,7 +220,7 @@ TEST(Suspension, GoesOnFromASavedStateInOtherChannels) {
     plan->units = Plan::channel_units(plan->fluid);
     plan->drive(plan == &half ? 10 : 0);
     plan->bodies = {body(*plan, "soft", "sphere", {0.3, 0, 0}),
-                    body(*plan, "hard", "sphere", {-0.3, 0, 0.5})};
+                    body(*plan, "hard", "sphere", {-0.3, 0, 0.5}, 0.4)};
     plan->bodies[0].kind = capsule(*plan, membrane::find_scheme("explicit-euler"), 10);
     plan->bodies[1].kind = RigidPlan{};
     Suspension straight(*plan, PETSC_COMM_WORLD);
@@ -403,6 +405,24 @@ TEST(Quantities, HaveNamesOfTheirOwnAndSayWhomTheyAreOf) {
   sample["slip"] = 3;
   EXPECT_EQ(sample["slip"], 3);
   EXPECT_THROW(static_cast<void>(sample["nonsense"]), std::out_of_range);
+}
+
+// Shells come after the surface, which is all that is seen.
+TEST(Suspension, ASolidBodyHasMarkersInside) {
+  Plan plan = channel({30, 30, 30});
+  for (const Interior interior : {Interior::fluid, Interior::solid}) {
+    plan.bodies = {body(plan, "hard", "sphere", {0, 0, 0}, 0.5)};
+    plan.bodies[0].kind = RigidPlan{1, 5, 0, 0, interior};
+    Suspension suspension(plan, PETSC_COMM_SELF);
+    suspension.step();
+    const std::size_t surface = plan.bodies[0].mesh().vertices.size();
+    const std::size_t markers = make_body(plan, 0)->markers().marker_count();
+    // Of a = 7.5: 6 and 3 inside, with edges half as long again.
+    EXPECT_EQ(markers - surface, interior == Interior::solid ? 204U : 0U);
+    const std::vector<SurfaceState> seen = suspension.surfaces();
+    ASSERT_EQ(seen.at(0).position.size(), 3 * surface);
+    ASSERT_EQ(seen.at(0).velocity.size(), 3 * surface);
+  }
 }
 
 // A quantity is 0 where it does not apply, and the same wherever its owner is.

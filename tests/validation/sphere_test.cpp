@@ -4,8 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 #include "ductile/fluid/duct.hpp"
+#include "validation/spin_down.hpp"
 #include "validation/support.hpp"
 
 namespace {
@@ -78,6 +81,22 @@ TEST(SphereTowardsAWall, IsResistedAsBrennersSeriesSays) {
   std::printf("gap a: %.3f (2.126), gap 0.4 a: %.3f (3.736)\n", far, near);
   EXPECT_NEAR(far, 2.125536, 0.1 * 2.125536);
   EXPECT_NEAR(near, 3.73562, 0.1 * 3.73562);
+}
+
+// A sphere that is left to itself while it spins: a shell full of fluid, or a solid.
+TEST(SpinningSphere, DecaysAsAShellFullOfFluidOrAsASolid) {
+  const std::vector<double> times = {0.02, 0.05, 0.1, 0.2, 0.5};
+  for (const auto& [interior, retraction, bound] :
+       {std::tuple{test::Interior::fluid, 0.0, 0.01}, {test::Interior::solid, 0.5, 0.02}}) {
+    const std::vector<double> found = test::spins({16, 1, interior, retraction}, times);
+    for (std::size_t n = 0; n < times.size(); ++n) {
+      const double law = test::spin_law(1, interior, times[n]);
+      std::printf("%s, t = %.2f: %.4f, law %.4f, %+.1f%%\n",
+                  interior == test::Interior::solid ? "solid" : "fluid", times[n], found[n], law,
+                  100 * (found[n] / law - 1));
+      EXPECT_NEAR(found[n], law, bound * law) << "t = " << times[n];
+    }
+  }
 }
 
 // ten Cate et al. 2002, case E1: a sphere of 15 mm and 1120 kg/m^3 settles in 100 x 100 x 160 mm of

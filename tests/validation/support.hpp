@@ -14,6 +14,7 @@
 #include "ductile/surface/mesh.hpp"
 #include "ductile/surface/sphere.hpp"
 #include "ductile/suspension/markers.hpp"
+#include "ductile/suspension/plan.hpp"
 
 namespace ductile::test {
 
@@ -29,16 +30,26 @@ inline fluid::Options box(int nx, int ny, int nz, double tau) {
 constexpr double retraction = 0.5;
 /// The same for radii of about five spacings, where the drag in an array is right with this.
 constexpr double retraction_small = 0.6;
+/// The same for the drag of a body that inner shells make solid.
+constexpr double retraction_solid = 0.7;
 
-/// A sphere with markers about 1.2 apart, `inwards` of its surface.
-inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
-                          double inwards = retraction) {
+using suspension::Interior;
+
+/// A sphere with markers about 1.2 apart, `inwards` of its surface, in that state.
+inline rigid::Body sphere(double radius, const rigid::Options& options, const rigid::State& state,
+                          double inwards, Interior interior) {
   const surface::Sphere shape(radius);
   const int frequency = surface::frequency_for_edge(radius - inwards, 1.2);
+  return {interior == Interior::solid ? rigid::lined(shape, frequency, inwards)
+                                      : rigid::markers_of(shape.mesh(frequency, -inwards)),
+          rigid::solid_of(shape), options, state};
+}
+
+inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
+                          double inwards = retraction, Interior interior = Interior::fluid) {
   rigid::State state;
   state.position = at;
-  return {rigid::markers_of(shape.mesh(frequency, -inwards)), rigid::solid_of(shape), options,
-          state};
+  return sphere(radius, options, state, inwards, interior);
 }
 
 /// A spherical capsule, inflated from its reference by `stretch`.

@@ -119,14 +119,19 @@ class RigidBody final : public Body {
     options.gravity = plan.gravity;
     options.corrections = kind.corrections;
     options.memory = kind.memory;
-    const rigid::Surface markers =
-        rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
-    const rigid::Solid solid = rigid::solid_of(*body.shape);
+    const rigid::Surface markers = markers_of(body);
     rigid::State state;
     state.position = body.centre;
     state.orientation = Eigen::Quaterniond(body.rotation);
     if (kind.density_ratio == 1) drift(InitialFlow(plan), markers, state);
-    return {rigid::lined(markers, solid, options), solid, options, state};
+    return {markers, rigid::solid_of(*body.shape), options, state};
+  }
+
+  static rigid::Surface markers_of(const BodyPlan& body) {
+    const RigidPlan& kind = *body.rigid();
+    return kind.interior == Interior::solid
+               ? rigid::lined(*body.shape, body.frequency, kind.retraction)
+               : rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
   }
 
   const Units& units_;

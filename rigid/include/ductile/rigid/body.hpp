@@ -26,6 +26,10 @@
 // that force and torque vanish, and U and omega are the means of the fluid's motion over the
 // surface. L changes with the orientation, which is the gyroscopic term. A uniform driving force of
 // the fluid acts on the fluid inside too, and is not added again.
+//
+// M_f and I_f take the fluid inside to move with the body. In a translation it does, by its
+// pressure; a change of spin it learns by viscosity, in about a^2/(20 nu). Inner shells of markers
+// (lined()) make it follow within a few steps.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -96,13 +100,20 @@ struct Options {
   double memory = 0;
 };
 
-/// Adds as many inner shells as a free body with these options needs to be stable (see Body), none
-/// unless it is light and large; the markers given stay the first. Shells are copies of the
-/// surface, shrunk towards the centre of mass, each 3 lattice spacings inside the one before. They
-/// make the fluid inside move with the body, as Feng's force takes for granted. Throws
-/// std::invalid_argument as Body does, except for a body that is too light with any number of
-/// shells (density_ratio below about 0.2): Body then does.
-Surface lined(Surface surface, const Solid& solid, const Options& options);
+/// Markers that make a shape solid: on its surface, those of mesh(frequency, -retraction) in their
+/// order, and then on shells inside, copies of the surface shrunk towards the centre of mass, so
+/// that the fluid there moves with the body. The first shell is 1.5 lattice spacings inside of the
+/// surface, each other 3 inside of the one before, down to a radius of 2; if the first were at 3
+/// too, the fluid next to the surface would slip. Edges are one and a half times those of the
+/// surface. Areas are the shell's, for the first half of it, which lies within reach of the
+/// surface's kernel: the largest eigenvalue of S S^T A is then 0.42, and at most 0.82 where two
+/// such bodies touch (flat ones), which need a relaxation below 2.4 (see Options::relaxation).
+/// Throws std::invalid_argument as Shape::mesh().
+Surface lined(const surface::Shape& shape, int frequency, double retraction);
+
+/// The least density ratio at which a free body is stable with this surface and relaxation, see
+/// Body; negative if that is any.
+double least_density_ratio(const Surface& surface, const Solid& solid, double relaxation);
 
 /// A body's state between time steps; with the same surface, solid and options it determines all
 /// that follows, to the last bit.
@@ -121,7 +132,8 @@ using StateWriter = std::function<void(std::string_view name, std::span<const do
 /// Fills in what a StateWriter took under that name, of the same size.
 using StateReader = std::function<void(std::string_view name, std::span<double> numbers)>;
 
-/// Velocity that the surface has and the fluid does not: |U + omega x r_m - u_m|.
+/// Velocity that the markers, those inside too, have and the fluid does not: |U + omega x r_m -
+/// u_m|.
 struct Slip {
   double max = 0;
   double rms = 0;  ///< weighted with the areas
@@ -149,10 +161,11 @@ class Body {
   /// must not outweigh the fluid that follows the markers within a step: a layer about as wide as
   /// the kernel. For a lump of fluid that answers with the eigenvalue lambda, (2) is stable if
   /// M_f - M < A/lambda = 2.6 A; with the lattice Boltzmann fluid it was at 2.5 A (a = 12 to 24,
-  /// tau = 0.52 to 1, with and without inner shells), and not at 3 A. So 2.5 A is the bound, for
-  /// translation, and alike for every rigid motion. For a sphere it is density_ratio >= 1 - 7.5/a:
-  /// none up to a = 7.5, 0.5 at a = 15. A relaxation under 1.7 lowers it, as then the corrections
-  /// do not converge.
+  /// tau = 0.52 to 1), and not at 3 A. So 2.5 A is the bound, for translation, and alike for every
+  /// rigid motion. For a sphere it is density_ratio >= 1 - 7.5/a: none up to a = 7.5, 0.5 at a =
+  /// 15. A relaxation under 1.7 lowers it, as then the corrections do not converge. Shells count
+  /// with their areas; with those of lined() spheres of a = 12 to 24 are stable down to 0.21 at
+  /// least.
   Body(Surface surface, const Solid& solid, const Options& options, const State& state);
 
   /// n, constant.

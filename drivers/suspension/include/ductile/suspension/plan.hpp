@@ -30,12 +30,19 @@ struct CapsulePlan {
   membrane::IntegratorOptions integrator_options;
 };
 
+/// What fills the surface of a rigid body.
+enum class Interior {
+  fluid,  ///< fluid that the surface alone moves: markers on the surface
+  solid   ///< fluid that moves with the body: inner shells of markers too, rigid::lined()
+};
+
 /// What makes a body a rigid one.
 struct RigidPlan {
   double density_ratio = 1;
   int corrections = 5;    ///< iterations of multi-direct forcing
   double memory = 0;      ///< see rigid::Options
   double retraction = 0;  ///< how far inside of the surface the markers lie
+  Interior interior = Interior::fluid;
 };
 
 struct BodyPlan {
