@@ -193,9 +193,9 @@ Outlook outlook_by(const UniformSeries& series, std::size_t last, const Settling
     return out;
   }
   compare(out, series, last, window, settling.shift);
-  out.settled = std::abs(out.remaining) <= settling.remaining * unit &&
-                out.error <= settling.error * unit &&
-                out.departure <= settling.departure * unit + departure_fraction * out.band;
+  out.on_course = out.departure <= settling.departure * unit + departure_fraction * out.band;
+  out.settled = out.on_course && std::abs(out.remaining) <= settling.remaining * unit &&
+                out.error <= settling.error * unit;
   return out;
 }
 

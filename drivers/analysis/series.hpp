@@ -93,6 +93,7 @@ struct Outlook {
   double misfit = 0;     ///< by which the means halfway between m0, m1 and m2 miss the course
   double band = 0;       ///< resting, dying: range about the course of the window's earlier values
   double departure = 0;  ///< ... and how far the latest values leave that range
+  bool on_course = false;  ///< departure within the tolerance
 };
 
 /// The outlook at grid point `last`; nothing where the history is shorter than settling.span(). It

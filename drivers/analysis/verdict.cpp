@@ -90,7 +90,10 @@ std::string limit(const Outlook& o) {
 
 /// "dz falls by 0.012 per unit of time, towards 1.95 +- 0.2"
 std::string unsettled(std::string_view what, const Outlook& o) {
-  if (o.state == Outlook::State::resting) return fmt::format("{} leaves its course", what);
+  if (o.state != Outlook::State::moving && !o.on_course) {
+    return fmt::format("{} leaves its course", what);
+  }
+  if (o.state == Outlook::State::resting) return fmt::format("{} is at {}", what, limit(o));
   std::string text = fmt::format("{} {} by {:.3g} per unit of time", what,
                                  o.rate < 0 ? "falls" : "grows", std::abs(o.rate));
   if (o.state == Outlook::State::dying) text += ", towards " + limit(o);

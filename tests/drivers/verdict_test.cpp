@@ -245,6 +245,14 @@ TEST(PairJudge, SaysWhyItIsUndecided) {
   EXPECT_EQ(reason(0, 0),
             "a verdict takes 40 units of time and two samples more; there are 0 so far");
   EXPECT_EQ(reason(60, -0.04), "dz falls by 0.04 per unit of time");
+
+  // Past its means dz has turned.
+  PairJudge judge;
+  for (int i = 0; i <= 480; ++i) {
+    const double t = 0.1 * i;
+    judge.update(t, 3 - std::exp(-t / 15) - 0.02 * std::max(0.0, t - 36), 0, 0.2);
+  }
+  EXPECT_EQ(judge.verdict().reason, "dz swung by 0.909 not long ago; dz leaves its course");
 }
 
 TEST(PairJudge, StatesTheErrorOfALimit) {
