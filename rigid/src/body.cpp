@@ -160,18 +160,44 @@ Surface markers_of(const surface::Mesh& mesh) {
   return {mesh.vertices, surface::vertex_areas(mesh)};
 }
 
+namespace {
+
+struct Shell {
+  double scale;   // of the surface
+  double weight;  // of the areas of a mesh as large as the surface
+  int frequency;
+};
+
+// Inside of a surface that reaches as far as `radius`.
+std::vector<Shell> shells(double radius, int frequency) {
+  std::vector<Shell> list;
+  for (double depth = first_depth; radius - depth >= least_shell; depth += shell_spacing) {
+    const double scale = 1 - depth / radius;
+    const int coarser = static_cast<int>(std::lround(frequency * scale / shell_coarseness));
+    list.push_back(
+        {scale, scale * scale * (depth == first_depth ? first_weight : 1), std::max(2, coarser)});
+  }
+  return list;
+}
+
+}  // namespace
+
+long long lined_marker_count(const surface::Shape& shape, int frequency, double retraction) {
+  long long count = surface::vertex_count(frequency);
+  for (const Shell& shell : shells(shape.reach() - retraction, frequency))
+    count += surface::vertex_count(shell.frequency);
+  return count;
+}
+
 Surface lined(const surface::Shape& shape, int frequency, double retraction) {
   Surface surface = markers_of(shape.mesh(frequency, -retraction));
   double radius = 0;
   for (const Vector3d& r : surface.markers) radius = std::max(radius, r.norm());
-  for (double depth = first_depth; radius - depth >= least_shell; depth += shell_spacing) {
-    const double scale = 1 - depth / radius;
-    const double weight = scale * scale * (depth == first_depth ? first_weight : 1);
-    const int coarser = static_cast<int>(std::lround(frequency * scale / shell_coarseness));
-    const Surface shell = markers_of(shape.mesh(std::max(2, coarser), -retraction));
-    for (std::size_t m = 0; m < shell.markers.size(); ++m) {
-      surface.markers.emplace_back(scale * shell.markers[m]);
-      surface.areas.push_back(weight * shell.areas[m]);
+  for (const Shell& shell : shells(radius, frequency)) {
+    const Surface mesh = markers_of(shape.mesh(shell.frequency, -retraction));
+    for (std::size_t m = 0; m < mesh.markers.size(); ++m) {
+      surface.markers.emplace_back(shell.scale * mesh.markers[m]);
+      surface.areas.push_back(shell.weight * mesh.areas[m]);
     }
   }
   return surface;

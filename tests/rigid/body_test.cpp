@@ -24,6 +24,7 @@ namespace {
 using ductile::rigid::Body;
 using ductile::rigid::least_density_ratio;
 using ductile::rigid::lined;
+using ductile::rigid::lined_marker_count;
 using ductile::rigid::markers_of;
 using ductile::rigid::Motion;
 using ductile::rigid::MotionFailure;
@@ -438,14 +439,20 @@ TEST_P(Memory, NeutralBodyFeelsNoForceOrTorque) {
   }
 }
 
-TEST_P(DensityRatio, MemoryKeepsTheBalanceOfMomentum) {
-  const double ratio = GetParam(), a = 6;
-  const Surface surface = spiral(a, 150);
+// A free body in gravity whose corrections begin with the force of the step before.
+Options remembering(double density_ratio) {
   Options options;
-  options.density_ratio = ratio;
+  options.density_ratio = density_ratio;
   options.gravity = {0, 3e-5, 1e-4};
   options.corrections = 2;
   options.memory = 0.9;
+  return options;
+}
+
+TEST_P(DensityRatio, MemoryKeepsTheBalanceOfMomentum) {
+  const double ratio = GetParam(), a = 6;
+  const Surface surface = spiral(a, 150);
+  const Options options = remembering(ratio);
   State start;
   start.velocity = {0.01, 0, 0};
   Body body(surface, ball(a), options, start);
@@ -551,6 +558,8 @@ TEST(LinedBody, HasShellsInsideOfItsSurface) {
     const double area = weight * 4 * pi * radius * radius;
     EXPECT_NEAR(areas[radius], area, (radius < a / 2 ? 0.25 : 0.03) * area) << radius;
   }
+  EXPECT_EQ(lined_marker_count(Sphere(10.4), 10, retraction),
+            static_cast<long long>(surface.markers.size()));
   // Too small for any.
   EXPECT_EQ(lined(Sphere(3.4), 3, 0).markers.size(), 92U);
   EXPECT_GT(lined(Sphere(3.6), 3, 0).markers.size(), 92U);
@@ -562,11 +571,7 @@ TEST(LinedBody, KeepsTheBalancesOfMomentum) {
   const double ratio = 2, a = 8;
   const Surface surface = lined(Sphere(a), 8, 0);
   const Solid solid = ball(a);
-  Options options;
-  options.density_ratio = ratio;
-  options.gravity = {0, 3e-5, 1e-4};
-  options.corrections = 2;
-  options.memory = 0.9;
+  const Options options = remembering(ratio);
   State start;
   start.velocity = {0.01, 0, 0};
   start.angular_velocity = {0, 1e-3, 0};

@@ -110,6 +110,9 @@ struct Options {
 /// such bodies touch (flat ones), which need a relaxation below 2.4 (see Options::relaxation).
 /// Throws std::invalid_argument as Shape::mesh().
 Surface lined(const surface::Shape& shape, int frequency, double retraction);
+/// How many markers lined() makes, without making them; of a shape that is no sphere by its reach,
+/// which its vertices fall short of by a little.
+long long lined_marker_count(const surface::Shape& shape, int frequency, double retraction);
 
 /// The least density ratio at which a free body is stable with this surface and relaxation, see
 /// Body; negative if that is any.
