@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "ductile/rigid/body.hpp"
 #include "scenario/text.hpp"
 
 namespace ductile::drivers {
@@ -24,12 +25,13 @@ struct Entry {
   double* value;
 };
 
-std::array<Entry, 11> entries(KnownSpeed& speed) {
+std::array<Entry, 12> entries(KnownSpeed& speed) {
   BodyCosts& bodies = speed.bodies;
   return {{{"double", &speed.fluid.double_precision},
            {"single", &speed.fluid.single_precision},
            {"double_alone", &speed.alone.double_precision},
            {"single_alone", &speed.alone.single_precision},
+           {"row", &bodies.row},
            {"node", &bodies.node},
            {"node_read", &bodies.node_read},
            {"node_update", &bodies.node_update},
@@ -116,7 +118,7 @@ double population_bytes(const suspension::Plan& plan) {
   return 19.0 * (single(plan) ? 4 : 8) * static_cast<double>(plan.node_count());
 }
 
-double box_nodes(const suspension::BodyPlan& body) {
+BoxSize box_around(const suspension::BodyPlan& body) {
   // The kernel's reach, and the margin that fluid::Fluid::box_around() leaves.
   constexpr double across = 6;
   constexpr double along = 8;
@@ -125,8 +127,8 @@ double box_nodes(const suspension::BodyPlan& body) {
     return std::ceil(2 *
                      body.shape->extent(body.rotation.transpose() * Eigen::Vector3d::Unit(axis)));
   };
-  return (width(0) + across) * (width(1) + across) * std::ceil((width(2) + along) / vector) *
-         vector;
+  return {(width(0) + across) * (width(1) + across),
+          std::ceil((width(2) + along) / vector) * vector};
 }
 
 KnownSpeed guessed_speed(int cores) {
@@ -135,7 +137,7 @@ KnownSpeed guessed_speed(int cores) {
   guess.alone = {40e6, 50e6};
   guess.fluid = {guess.alone.double_precision * guess.ranks,
                  guess.alone.single_precision * guess.ranks};
-  guess.bodies = {10e-9, 30e-9, 10e-9, 700e-9, 250e-9, 3e-6, 0.5e-6};
+  guess.bodies = {500e-9, 10e-9, 30e-9, 10e-9, 700e-9, 250e-9, 3e-6, 0.5e-6};
   return guess;
 }
 
@@ -157,9 +159,14 @@ int rounds(const suspension::BodyPlan& body) {
 }
 
 double marker_time(const suspension::BodyPlan& body, const BodyCosts& costs) {
+  if (const auto* rigid = body.rigid()) {
+    const long long count =
+        rigid->interior == suspension::Interior::solid
+            ? rigid::lined_marker_count(*body.shape, body.frequency, rigid->retraction)
+            : surface::vertex_count(body.frequency);
+    return static_cast<double>(count) * costs.marker_pass * (rigid->corrections + 1);
+  }
   const auto markers = static_cast<double>(surface::vertex_count(body.frequency));
-  if (const auto* rigid = body.rigid())
-    return markers * costs.marker_pass * (rigid->corrections + 1);
   const suspension::CapsulePlan& capsule = *body.capsule();
   const membrane::SchemeTraits& traits = capsule.integrator.traits;
   if (!traits.weights.empty()) return markers * costs.marker;
@@ -177,17 +184,23 @@ StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed
   StepTime time;
   const auto nodes = static_cast<double>(plan.node_count());
   time.fluid = nodes / updates(plan, ranks, speed);
-  double boxes = 0;
+  // Boxes that overlap are one.
+  const auto columns = static_cast<double>(plan.fluid.nodes[0]) * plan.fluid.nodes[1];
+  double box_rows = 0;
+  double box_nodes = 0;
   int most = 0;
   std::vector<double> work(static_cast<std::size_t>(ranks));
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
-    boxes += box_nodes(plan.bodies[b]);
+    const BoxSize box = box_around(plan.bodies[b]);
+    box_rows += box.rows;
+    box_nodes += box.rows * box.length;
     most = std::max(most, rounds(plan.bodies[b]));
     work[b % work.size()] += marker_time(plan.bodies[b], speed.bodies);
   }
   const BodyCosts& costs = speed.bodies;
-  time.boxes = std::min(boxes, nodes) / ranks *
-               (costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0));
+  const double node = costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0);
+  time.boxes =
+      (std::min(box_rows, columns) * costs.row + std::min(box_nodes, nodes) * node) / ranks;
   time.bodies = *std::ranges::max_element(work);
   return time;
 }

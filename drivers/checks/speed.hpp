@@ -18,6 +18,7 @@ struct FluidSpeed {
 /// What bodies cost in each time step: seconds of one core. Nodes are those of the boxes around
 /// bodies, in which forces act and velocities are told.
 struct BodyCosts {
+  double row = 0;          ///< of a row of nodes along z that meets a box
   double node = 0;         ///< of a node, over one where no force acts
   double node_read = 0;    ///< of a node, if any body asks for velocities before the step
   double node_update = 0;  ///< of a node, in each round of corrections
@@ -46,8 +47,12 @@ KnownSpeed guessed_speed(int cores);
 
 /// Bytes of the fluid's populations on all ranks.
 double population_bytes(const suspension::Plan& plan);
-/// Nodes in the box that is laid around a body.
-double box_nodes(const suspension::BodyPlan& body);
+/// The box that is laid around a body: its rows along z, and the nodes in each.
+struct BoxSize {
+  double rows = 0;
+  double length = 0;
+};
+BoxSize box_around(const suspension::BodyPlan& body);
 
 /// Seconds of a time step, by what is computed.
 struct StepTime {

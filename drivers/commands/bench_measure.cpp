@@ -213,20 +213,51 @@ PairTimes time_pair(const std::string& keys, int repeats) {
   for (int n = 0; n < 20; ++n) pair.step();
   const suspension::BodyPlan& one = given.plan.bodies.front();
   const auto markers = static_cast<double>(2 * surface::vertex_count(one.frequency));
+  const BoxSize box = box_around(one);
+  const double nodes = 2 * box.rows * box.length;
   std::vector<double> node_times;
   std::vector<double> marker_times;
   for (int n = 0; n < repeats; ++n) {
     pair.reset_profile();
     for (int step = 0; step < 60; ++step) pair.step();
     using enum coupling::Part;
-    node_times.push_back(seconds(pair.profile(), {coupling::Part::boxes}) / (2 * box_nodes(one)));
+    node_times.push_back(seconds(pair.profile(), {coupling::Part::boxes}) / nodes);
     marker_times.push_back(
         seconds(pair.profile(), {locating, interpolation, bodies, spreading, exchange}) / markers);
   }
   return {median(node_times), median(marker_times)};
 }
 
-BodyCosts measure_bodies(const BenchTable& table, int nodes, int ranks, int repeats) {
+// Seconds that a step of the fluid takes longer by boxes in which forces may act: of a row of nodes
+// that meets one, and of a node. Those around two bodies have short rows, the whole channel none
+// but long ones.
+void time_boxes(BodyCosts& costs, int repeats) {
+  constexpr int n = 36;
+  constexpr int steps = 30;
+  const std::array<std::vector<fluid::Box>, 3> cases = {
+      {{}, {boxes(n)[0], boxes(n)[1]}, {{{{0, n}, {0, n}, {0, 6 * n}}}}}};
+  std::vector<fluid::Fluid> fluids;
+  for (const std::vector<fluid::Box>& placed : cases) {
+    fluids.emplace_back(MPI_COMM_SELF,
+                        channel(n, fluid::Storage::single_precision, fluid::Boundary::halfway));
+    fluids.back().place_boxes(placed);
+  }
+  std::array<std::vector<double>, 3> times;
+  for (int r = 0; r <= repeats; ++r) {
+    for (std::size_t c = 0; c < fluids.size(); ++c) {
+      const double begin = MPI_Wtime();
+      for (int step = 0; step < steps; ++step) fluids[c].step();
+      if (r > 0) times[c].push_back((MPI_Wtime() - begin) / steps);  // the first warms up
+    }
+  }
+  const double alone = median(times[0]);
+  const fluid::Box& box = cases[1].front();
+  const double rows = 2.0 * box[0].size() * box[1].size();
+  costs.node = std::max(0.0, (median(times[2]) - alone) / (6.0 * n * n * n));
+  costs.row = std::max(0.0, (median(times[1]) - alone - costs.node * rows * box[2].size()) / rows);
+}
+
+BodyCosts measure_bodies(int repeats) {
   constexpr double soft = 100;
   constexpr double stiff = 10000;
   const auto laplace = [](double la) { return fmt::format("laplace = {}\n", la); };
@@ -246,14 +277,7 @@ BodyCosts measure_bodies(const BenchTable& table, int nodes, int ranks, int repe
   costs.stiff = std::max(
       0.0, (solved_stiff.markers - solved.markers) / (root_of_k_s(stiff) - root_of_k_s(soft)));
   costs.implicit = std::max(0.0, solved.markers - costs.stiff * root_of_k_s(soft));
-  // The fluid with forces in boxes against the same without, as core time of a node in a box.
-  double boxed = 0;
-  for (const fluid::Box& box : boxes(nodes))
-    boxed += static_cast<double>(box[0].size()) * box[1].size() * box[2].size();
-  const BenchRow& row = find(table, "fluid, forces in two boxes", ranks);
-  costs.node =
-      std::max(0.0, (1 / median(row.relative) - 1) * 6 * std::pow(nodes, 3) / boxed * ranks /
-                        median(find(table, "fluid, half-way walls", ranks).updates));
+  time_boxes(costs, repeats);
   return costs;
 }
 
@@ -294,7 +318,7 @@ BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
   int rank = 0;
   mpi_check(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
   if (rank == 0) {
-    result.bodies = measure_bodies(result.tables.back(), options.nodes, ranks, options.repeats);
+    result.bodies = measure_bodies(options.repeats);
   }
   mpi_check(MPI_Barrier(comm), "MPI_Barrier");
   return result;
@@ -354,6 +378,7 @@ std::string json(const BenchResult& result) {
   json.add("kernel", result.instruction_set);
   json.add("triangles", result.triangles);
   json.open('{', "seconds_of_bodies");
+  json.add("row", result.bodies.row);
   json.add("node", result.bodies.node);
   json.add("node_read", result.bodies.node_read);
   json.add("node_update", result.bodies.node_update);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 #include <string>
@@ -161,7 +162,7 @@ TEST(Check, PopulationsAreCountedInBytes) {
 
 // Every coefficient tells itself apart.
 KnownSpeed known_speeds() {
-  return {4, {200e6, 400e6}, {80e6, 100e6}, {1e-8, 3e-8, 2e-8, 1e-6, 2e-7, 3e-6, 5e-7}};
+  return {4, {200e6, 400e6}, {80e6, 100e6}, {4e-7, 1e-8, 3e-8, 2e-8, 1e-6, 2e-7, 3e-6, 5e-7}};
 }
 
 TEST(Check, AStepOfFluidTakesWhatWasMeasured) {
@@ -192,6 +193,15 @@ TEST(Check, BodiesTakeTimeByTheirKind) {
   EXPECT_NEAR(step_of(body("")).bodies, 1e-6 * vertices, 1e-12);
   EXPECT_NEAR(step_of("[[body]]\nkind = \"rigid\"\niterations = 4\n").bodies, 5 * 2e-7 * vertices,
               1e-12);
+  // A solid has the markers of its inner shells too, at 5.7 and 2.7 of 7.2 spacings.
+  const std::string solid = "[[body]]\nkind = \"rigid\"\niterations = 4\ninterior = \"solid\"\n";
+  const auto frequency = parse_case(solid, "case.toml").plan.bodies[0].frequency;
+  const auto inside = [&](double radius) {
+    return surface::vertex_count(
+        std::max(2, static_cast<int>(std::lround(frequency * radius / 7.2 / 1.5))));
+  };
+  EXPECT_NEAR(step_of(solid).bodies,
+              5 * 2e-7 * (vertices + static_cast<double>(inside(5.7) + inside(2.7))), 1e-12);
   // k_s = La nu^2/a = 100/36/7.2 = 0.386.
   const auto implicit = [&](const std::string& keys) {
     return step_of("[[body]]\nintegrator = \"implicit\"\n" + keys).bodies / vertices;
@@ -209,12 +219,23 @@ TEST(Check, BodiesTakeTimeByTheirKind) {
 // The 14.4 of a body of 7.2 dx are 15 nodes; the kernel and the box's margin add 6 across and 8
 // along, in whole vectors of 8.
 TEST(Check, NodesAroundBodiesTakeTimeMoreIfBodiesAskForVelocities) {
-  const double nodes = 21 * 21 * 24;
-  EXPECT_NEAR(box_nodes(parse_case(body(""), "case.toml").plan.bodies[0]), nodes, 1e-9);
-  EXPECT_NEAR(step_of(body("")).boxes, 1e-8 * nodes, 1e-12);
+  const double rows = 21 * 21;
+  const double nodes = rows * 24;
+  const BoxSize box = box_around(parse_case(body(""), "case.toml").plan.bodies[0]);
+  EXPECT_EQ(box.rows, rows);
+  EXPECT_EQ(box.length, 24);
+  EXPECT_NEAR(step_of(body("")).boxes, 4e-7 * rows + 1e-8 * nodes, 1e-12);
   const std::string rigid = "[[body]]\nkind = \"rigid\"\nz = 3\n";
-  EXPECT_NEAR(step_of(rigid).boxes, (1e-8 + 3e-8 + 5 * 2e-8) * nodes, 1e-12);
-  EXPECT_NEAR(step_of(body("") + rigid).boxes, 2 * (1e-8 + 3e-8 + 5 * 2e-8) * nodes, 1e-12);
+  const double asked = 4e-7 * rows + (1e-8 + 3e-8 + 5 * 2e-8) * nodes;
+  EXPECT_NEAR(step_of(rigid).boxes, asked, 1e-12);
+  EXPECT_NEAR(step_of(body("") + rigid).boxes, 2 * asked, 1e-12);
+  EXPECT_NEAR(step_of(body("") + rigid, 2).boxes, asked, 1e-12);
+  // Boxes that overlap are one: no more than all rows and nodes there are.
+  std::string many;
+  for (int b = 0; b < 40; ++b)
+    many += body(fmt::format("radius = 0.2\nx = {}\ny = {}\nz = {}", b % 2 - 0.5, b / 2 % 2 - 0.5,
+                             b / 4 * 1.2 - 5.4));
+  EXPECT_NEAR(step_of(many).boxes, 4e-7 * 36 * 36 + 1e-8 * 40 * 14 * 14 * 16, 1e-12);
 }
 
 // Bodies are dealt over the ranks: one is not shared, two are worked on side by side.

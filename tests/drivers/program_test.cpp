@@ -98,7 +98,8 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   std::ofstream(work() / "cache" / "ductile" / "bench.toml")
       << "machine = \"" << host.data()
       << "\"\nranks = 1\ndouble = 1e8\nsingle = 2e8\ndouble_alone = 1e8\nsingle_alone = 2e8\n"
-         "node = 0\nnode_read = 0\nnode_update = 0\nmarker = 0\nmarker_pass = 0\nimplicit = 0\n"
+         "row = 0\nnode = 0\nnode_read = 0\nnode_update = 0\nmarker = 0\nmarker_pass = 0\nimplicit "
+         "= 0\n"
          "stiff = 0\n";
   const Outcome known = run("check " + quickstart, "XDG_CACHE_HOME=cache ");
   // 24 x 24 x 72 nodes, 864 steps a unit of time, 60 units: 10.7 s.
