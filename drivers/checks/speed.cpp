@@ -184,8 +184,6 @@ StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed
   StepTime time;
   const auto nodes = static_cast<double>(plan.node_count());
   time.fluid = nodes / updates(plan, ranks, speed);
-  // Boxes that overlap are one.
-  const auto columns = static_cast<double>(plan.fluid.nodes[0]) * plan.fluid.nodes[1];
   double box_rows = 0;
   double box_nodes = 0;
   int most = 0;
@@ -199,8 +197,9 @@ StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed
   }
   const BodyCosts& costs = speed.bodies;
   const double node = costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0);
-  time.boxes =
-      (std::min(box_rows, columns) * costs.row + std::min(box_nodes, nodes) * node) / ranks;
+  // Boxes that overlap are one: there are no more nodes in them than in all.
+  const double share = std::min(1.0, nodes / std::max(1.0, box_nodes));
+  time.boxes = share * (box_rows * costs.row + box_nodes * node) / ranks;
   time.bodies = *std::ranges::max_element(work);
   return time;
 }

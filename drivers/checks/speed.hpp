@@ -18,7 +18,7 @@ struct FluidSpeed {
 /// What bodies cost in each time step: seconds of one core. Nodes are those of the boxes around
 /// bodies, in which forces act and velocities are told.
 struct BodyCosts {
-  double row = 0;          ///< of a row of nodes along z that meets a box
+  double row = 0;          ///< of each row of a box along z, which splits a row of the lattice
   double node = 0;         ///< of a node, over one where no force acts
   double node_read = 0;    ///< of a node, if any body asks for velocities before the step
   double node_update = 0;  ///< of a node, in each round of corrections

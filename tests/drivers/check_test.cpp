@@ -230,12 +230,20 @@ TEST(Check, NodesAroundBodiesTakeTimeMoreIfBodiesAskForVelocities) {
   EXPECT_NEAR(step_of(rigid).boxes, asked, 1e-12);
   EXPECT_NEAR(step_of(body("") + rigid).boxes, 2 * asked, 1e-12);
   EXPECT_NEAR(step_of(body("") + rigid, 2).boxes, asked, 1e-12);
-  // Boxes that overlap are one: no more than all rows and nodes there are.
-  std::string many;
-  for (int b = 0; b < 40; ++b)
-    many += body(fmt::format("radius = 0.2\nx = {}\ny = {}\nz = {}", b % 2 - 0.5, b / 2 % 2 - 0.5,
-                             b / 4 * 1.2 - 5.4));
-  EXPECT_NEAR(step_of(many).boxes, 4e-7 * 36 * 36 + 1e-8 * 40 * 14 * 14 * 16, 1e-12);
+  // Forty boxes of 14 x 14 x 16 side by side; 96 overlap, and hold no more than all nodes there
+  // are.
+  const auto many = [](int along, double apart) {
+    std::string text;
+    for (int b = 0; b < 4 * along; ++b) {
+      text += body(fmt::format("radius = 0.2\nx = {}\ny = {}\nz = {}", b % 2 - 0.5, b / 2 % 2 - 0.5,
+                               (b / 4 - 0.5 * (along - 1)) * apart));
+    }
+    return text;
+  };
+  const double each = 14 * 14 * (4e-7 + 1e-8 * 16);
+  EXPECT_NEAR(step_of(many(10, 1.2)).boxes, 40 * each, 1e-12);
+  const double share = 36 * 36 * 216 / (96.0 * 14 * 14 * 16);
+  EXPECT_NEAR(step_of(many(24, 0.5)).boxes, share * 96 * each, 1e-12);
 }
 
 // Bodies are dealt over the ranks: one is not shared, two are worked on side by side.
