@@ -10,7 +10,7 @@
 namespace ductile::drivers {
 
 /// Seconds for which `check` predicts stability unless asked to be thorough.
-constexpr double usual_patience = 0.8;
+constexpr double usual_patience = 0.3;
 
 /// Lattice, flow, bodies with their margins of stability, gaps, memory and time, notes and
 /// warnings; a line each. The stability of capsules is predicted as long as it takes `patience`
