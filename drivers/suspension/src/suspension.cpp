@@ -10,6 +10,7 @@
 
 #include "gap_finder.hpp"
 #include "gather.hpp"
+#include "planes.hpp"
 
 namespace ductile::suspension {
 namespace {
@@ -122,37 +123,16 @@ std::vector<SurfaceState> Suspension::surfaces() const {
 }
 
 FluidState Suspension::fields() {
-  // Slabs are put side by side along z, one after the other.
-  const Gather gather(comm());
-  const auto columns = static_cast<std::size_t>(plan_.fluid.nodes[0]) *
-                       static_cast<std::size_t>(plan_.fluid.nodes[1]);
-  const auto planes = static_cast<std::size_t>(plan_.fluid.nodes[2]);
-  const auto own_planes = static_cast<std::size_t>(fluid_.slab().size());
-  std::vector<double> density(columns * own_planes);
-  std::vector<double> velocity(3 * columns * own_planes);
+  const Planes planes(fluid_, comm());
+  const std::size_t n = planes.own_size();
+  std::vector<double> density(n);
+  std::vector<double> velocity(3 * n);
   fluid_.fields(density, velocity);
   FluidState all;
-  if (rank() == 0) {
-    all.density.resize(columns * planes);
-    all.velocity.resize(3 * columns * planes);
-  }
-  for (int r = 0; r < ranks(); ++r) {
-    if (rank() != 0 && rank() != r) continue;
-    const std::vector<double> rho = gather.from(r, density);
-    const std::vector<double> u = gather.from(r, velocity);
-    if (rank() != 0) continue;
-    const fluid::Range slab = fluid_.slab(r);
-    const auto count = static_cast<std::size_t>(slab.size());
-    for (std::size_t column = 0; column < columns; ++column) {
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t to = column * planes + static_cast<std::size_t>(slab.begin) + k;
-        all.density[to] = rho[column * count + k];
-        for (std::size_t a = 0; a < 3; ++a) {
-          all.velocity[a * all.density.size() + to] =
-              plan_.units.velocity(u[a * rho.size() + column * count + k]);
-        }
-      }
-    }
+  all.density = planes.gathered(density);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const double u : planes.gathered(std::span(velocity).subspan(a * n, n)))
+      all.velocity.push_back(plan_.units.velocity(u));
   }
   return all;
 }
@@ -169,40 +149,6 @@ std::vector<Gap> Suspension::gaps(double reach) {
   if (rank() != 0) return {};
   if (!gap_finder_) gap_finder_ = std::make_unique<GapFinder>(plan_);
   return gap_finder_->below(reach, positions);
-}
-
-void Suspension::save(const StateWriter& write) {
-  const auto inside = [&write](const std::string& prefix) {
-    return [&write, prefix](std::string_view name, std::span<const double> numbers) {
-      write(prefix + std::string(name), numbers);
-    };
-  };
-  fluid_.save(inside("fluid/"));
-  for (const Owned& owned : bodies_) {
-    owned.body->save(inside("body/" + plan_.bodies[owned.index].name + "/"));
-  }
-}
-
-void Suspension::load(const StateReader& read) {
-  const auto inside = [&read](const std::string& prefix) {
-    return [&read, prefix](std::string_view name, std::span<double> numbers) {
-      read(prefix + std::string(name), numbers);
-    };
-  };
-  std::exception_ptr failure;
-  try {
-    fluid_.load(inside("fluid/"));
-    for (const Owned& owned : bodies_) {
-      owned.body->load(inside("body/" + plan_.bodies[owned.index].name + "/"));
-    }
-  } catch (...) {
-    failure = std::current_exception();
-  }
-  coupler_->bodies_replaced();
-  int failed = failure ? 1 : 0;
-  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm()), "MPI_Allreduce");
-  if (failure) std::rethrow_exception(failure);
-  if (failed != 0) throw std::runtime_error("the state could not be loaded on another rank");
 }
 
 }  // namespace ductile::suspension

@@ -88,14 +88,15 @@ class Suspension {
   [[nodiscard]] const coupling::Profile& profile() const { return coupler_->profile(); }
   void reset_profile() { coupler_->reset_profile(); }
 
-  /// Calls `write` with a name and numbers for all that determines the future: this rank's planes
-  /// of the fluid ("fluid/...", see fluid::Fluid::save) and its bodies ("body/NAME/..."). Between
-  /// steps only.
+  /// Calls rank 0's `write` with a name and numbers for all that determines the future: of the
+  /// fluid "fluid/time" and populations of the whole lattice (see fluid::Fluid::save), and of every
+  /// body "body/NAME/...". The same to the last bit on any number of ranks. Between steps only. What
+  /// `write` throws passes through there, the other ranks throw std::runtime_error.
   void save(const StateWriter& write);
-  /// Takes over what a suspension of the same plan on as many ranks has saved; what follows is the
-  /// same to the last bit as there. `read` fills the numbers of a name. What it throws passes
-  /// through where it does, the other ranks throw std::runtime_error; the suspension is then good
-  /// for nothing but another load().
+  /// Takes over what a suspension of the same plan has saved, on any number of ranks; what follows
+  /// is the same to the last bit as there. Rank 0's `read` fills the numbers of a name. What it
+  /// throws passes through there, the other ranks throw std::runtime_error; the suspension is then
+  /// good for nothing but another load().
   void load(const StateReader& read);
 
  private:
