@@ -45,7 +45,7 @@ class Program : public testing::Test {
   Outcome run(const std::string& arguments, const std::string& launch = "") {
     const std::string command =
         "cd '" + work_.string() + "' && env -i PATH=\"$PATH\" HOME=\"$HOME\"" +
-        " OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ASAN_OPTIONS=detect_leaks=0" +
+        " OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1" +
         " OMPI_MCA_btl_vader_single_copy_mechanism=none OMPI_MCA_mpi_yield_when_idle=1 " + launch +
         "'" + DUCTILE_PROGRAM + "' " + arguments + " >'" + (root_ / "out").string() + "' 2>'" +
         (root_ / "err").string() + "'";

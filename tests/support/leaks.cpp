@@ -1,0 +1,26 @@
+// What the leak sanitizer is told, in programs that are built with it. MPI and its friends leave
+// memory behind at their end, by design of theirs. To know it as theirs, they must still be loaded
+// then.
+extern "C" {
+
+const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
+  return "leak:libmpi.so\n"
+         "leak:libopen-rte.so\n"
+         "leak:libopen-pal.so\n"
+         "leak:libpmix.so\n"
+         "leak:mca_\n"  // Open MPI's modules, and those of PMIx
+         "leak:libevent\n"
+         "leak:libhwloc.so\n"
+         "leak:libfabric.so\n"
+         "leak:libucp.so\n"
+         "leak:libucs.so\n"
+         "leak:libpetsc\n"
+         "leak:libhdf5\n"
+         "leak:__vasprintf_internal\n";  // in Open MPI's asprintf; nothing of ours calls it
+}
+
+int dlclose(void* /*library*/) {
+  return 0;
+}
+
+}  // extern "C"
