@@ -12,11 +12,16 @@
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/membrane/petsc.hpp"
 #include "output/plot.hpp"
+#include "output/say.hpp"
 #include "run/exit_code.hpp"
 #include "run/petsc_options.hpp"
+#include "run/run.hpp"
+#include "run/signals.hpp"
 
 int main(int argc, char** argv) {
   using namespace ductile::drivers;
+  prepare_signals();
+  start_clock();
   // PETSc gets none of the user's arguments, reads no file, and leaves signals alone.
   const std::vector<std::string> ignored = ignored_petsc_sources();
   std::string name = "ductile";
@@ -35,21 +40,25 @@ int main(int argc, char** argv) {
     rank = world.rank();
     for (const std::string& source : ignored) {
       if (rank != 0) break;
-      std::fprintf(stderr,
-                   "warning: %s is ignored: options of PETSc belong into the scenario's [petsc] or "
-                   "into --petsc\n",
-                   source.c_str());
+      say(stderr,
+          "warning: {} is ignored: options of PETSc belong into the scenario's [petsc] or into "
+          "--petsc\n",
+          source);
     }
     exit_code = run_program({argv + 1, argv + argc}, world.get(), pictures);
   } catch (const std::exception& error) {
     // The other ranks may be waiting for this one.
-    std::fprintf(stderr, "ductile: %s\n", error.what());
+    say(stderr, "ductile: {}\n", error.what());
     MPI_Abort(PETSC_COMM_WORLD, exit_failure);
   }
   if (PetscFinalize() != 0) return exit_failure;
   // Starting a process is safe only now that MPI is down.
   for (const auto& directory : pictures.trajectories) plot_trajectory(directory);
   for (const auto& directory : pictures.comparisons) plot_comparison(directory);
+  if (rank == 0 && stdout_lost()) {
+    std::fprintf(stderr, "ductile: not all that was to be said on stdout could be written there\n");
+    if (exit_code == exit_success) exit_code = exit_failure;
+  }
   // mpirun ends the job at the first rank that does not return 0, and rank 0 may still be drawing.
   return rank == 0 ? exit_code : exit_success;
 }

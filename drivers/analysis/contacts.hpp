@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ductile/suspension/gaps.hpp"
@@ -22,6 +23,10 @@ struct Contact {
 /// What there is to tell of the gaps of a run: each once, however often it opens and closes.
 class Contacts {
  public:
+  Contacts() = default;
+  /// Goes on after those.
+  explicit Contacts(std::vector<Contact> contacts) : contacts_(std::move(contacts)) {}
+
   /// Takes the gaps below suspension::kernel_reach at `time`. True if surfaces cross that did not
   /// before.
   bool update(double time, const std::vector<suspension::Gap>& gaps);

@@ -7,6 +7,7 @@
 #include "checks/read_case.hpp"
 #include "checks/report.hpp"
 #include "commands/input.hpp"
+#include "output/say.hpp"
 
 namespace ductile::drivers {
 
@@ -28,7 +29,7 @@ int CheckCommand::execute(MPI_Comm comm, Pictures& /*pictures*/) {
   return with_input(comm, [this] {
     const int cores = static_cast<int>(std::thread::hardware_concurrency());
     const double patience = thorough_ ? std::numeric_limits<double>::infinity() : usual_patience;
-    std::fputs(report(prepare(), cores, known_speed(), patience).c_str(), stdout);
+    say(stdout, report(prepare(), cores, known_speed(), patience));
   });
 }
 

@@ -11,6 +11,7 @@
 #include "ductile/membrane/integrator.hpp"
 #include "output/comparison.hpp"
 #include "output/run_directory.hpp"
+#include "output/say.hpp"
 #include "run/petsc_options.hpp"
 #include "run/root.hpp"
 #include "run/run.hpp"
@@ -96,7 +97,8 @@ struct Results {
 
 /// Whether a run that ends so has something to compare.
 bool has_results(int exit_code) {
-  return exit_code == exit_success || exit_code == exit_blow_up || exit_code == exit_contact;
+  return exit_code == exit_success || exit_code == exit_blow_up || exit_code == exit_contact ||
+         exit_code == exit_interrupted;
 }
 
 Results run_all(Variants& variants, bool force, MPI_Comm comm) {
@@ -105,13 +107,16 @@ Results run_all(Variants& variants, bool force, MPI_Comm comm) {
   for (std::size_t n = 0; n < variants.integrators.size(); ++n) {
     const std::string& integrator = variants.integrators[n];
     const bool root = rank_in(comm) == 0;
-    if (root) fmt::print(stderr, "{}, {} of {}\n", integrator, n + 1, variants.integrators.size());
+    if (root) say(stderr, "{}, {} of {}\n", integrator, n + 1, variants.integrators.size());
     const Case given = shared_case(variants.scenarios[n], comm);
-    RunResult run =
-        run_case(given,
-                 {variants.directory / integrator, variants.scenarios[n], force, true,
-                  root ? variants.warnings[n] : std::vector<std::string>(), variants.read_options},
-                 comm);
+    RunResult run = run_case(given,
+                             {.directory = variants.directory / integrator,
+                              .scenario_text = variants.scenarios[n],
+                              .force = force,
+                              .profile = true,
+                              .warnings = root ? variants.warnings[n] : std::vector<std::string>(),
+                              .read_options = variants.read_options},
+                             comm);
     if (!has_results(run.exit_code)) {
       results.exit_code = run.exit_code;
       return results;
@@ -119,8 +124,8 @@ Results run_all(Variants& variants, bool force, MPI_Comm comm) {
     results.finished.push_back(integrator);
     codes.insert(run.exit_code);
     if (run.summary) {
-      fmt::print(stderr, "{}: {}, {}\n", integrator, to_string(run.summary->status),
-                 duration_text(run.summary->wall_time));
+      say(stderr, "{}: {}, {}\n", integrator, to_string(run.summary->status),
+          duration_text(run.summary->wall_time));
       results.contenders.push_back({integrator, *std::move(run.summary), std::move(run.samples)});
     }
     if (run.interrupted) break;
@@ -131,11 +136,11 @@ Results run_all(Variants& variants, bool force, MPI_Comm comm) {
 
 int write_comparison(const Results& results, const Variants& variants, MPI_Comm comm) {
   return on_root(comm, exit_failure, [&]() -> int {
-    fmt::print("{}", table(results.contenders));
+    say(stdout, "{}", table(results.contenders));
     for (std::size_t n = results.finished.size(); n < variants.integrators.size(); ++n)
-      fmt::print("{}: not run, since a signal came before\n", variants.integrators[n]);
+      say(stdout, "{}: not run, since a signal came before\n", variants.integrators[n]);
     write_atomically(variants.directory / comparison_file, to_json(results.contenders));
-    fmt::print("results in {}\n", variants.directory.string());
+    say(stdout, "results in {}\n", variants.directory.string());
     return exit_success;
   });
 }
@@ -198,7 +203,7 @@ int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
     return exit_success;
   });
   if (removed != exit_success) return removed;
-  const StopSignals signals;  // also between two runs
+  const Signals signals;  // also between two runs
   Results results = run_all(variants, output_.force(), comm);
   if (has_results(results.exit_code)) {
     const int written = write_comparison(results, variants, comm);

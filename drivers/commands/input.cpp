@@ -8,6 +8,7 @@
 #include "checks/advice.hpp"
 #include "checks/read_case.hpp"
 #include "ductile/fluid/mpi.hpp"
+#include "output/say.hpp"
 #include "run/exit_code.hpp"
 #include "run/root.hpp"
 #include "scenario/errors.hpp"
@@ -33,7 +34,7 @@ std::vector<std::vector<std::string>> advise(
   for (const auto& [line, names] : lines) {
     const std::string about =
         names.size() == cases.size() ? "" : fmt::format(" (of {})", fmt::join(names, ", "));
-    fmt::print(stderr, "{}{}\n", line, about);
+    say(stderr, "{}{}\n", line, about);
   }
   return of_cases;
 }
@@ -44,7 +45,7 @@ int with_input(MPI_Comm comm, const std::function<void()>& work) {
       work();
       return exit_success;
     } catch (const InputError& error) {
-      fmt::print(stderr, "{}\n", error.what());
+      say(stderr, "{}\n", error.what());
       return exit_bad_input;
     }
   });
@@ -61,8 +62,8 @@ bool enough_planes(const Case& given, MPI_Comm comm) {
   const int planes = given.plan.fluid.nodes[2];
   if (ranks <= planes) return true;
   if (rank_in(comm) == 0) {
-    fmt::print(stderr, "ductile: {} ranks cannot share {} planes of nodes: use fewer ranks\n",
-               ranks, planes);
+    say(stderr, "ductile: {} ranks cannot share {} planes of nodes: use fewer ranks\n", ranks,
+        planes);
   }
   return false;
 }

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "commands/input.hpp"
+#include "output/say.hpp"
 #include "scenario/writer.hpp"
 
 namespace ductile::drivers {
@@ -13,7 +14,7 @@ CLI::App* KeysCommand::declare(CLI::App& program) {
 }
 
 int KeysCommand::execute(MPI_Comm comm, Pictures& /*pictures*/) {
-  return with_input(comm, [] { std::fputs(describe_keys().c_str(), stdout); });
+  return with_input(comm, [] { say(stdout, describe_keys()); });
 }
 
 }  // namespace ductile::drivers

@@ -12,7 +12,9 @@
 #include "commands/compare.hpp"
 #include "commands/keys.hpp"
 #include "commands/pair.hpp"
+#include "commands/resume.hpp"
 #include "commands/run.hpp"
+#include "output/say.hpp"
 #include "output/version.hpp"
 #include "run/exit_code.hpp"
 #include "run/root.hpp"
@@ -29,7 +31,8 @@ constexpr std::string_view about =
 constexpr std::string_view footer =
     "Exit codes: 0 success, 1 the run could not be done, 2 wrong input (nothing is written),\n"
     "3 the fluid or a body became unstable (of compare: with every integrator),\n"
-    "4 surfaces of bodies crossed, or a body came to a wall.\n"
+    "4 surfaces of bodies crossed, or a body came to a wall, 5 a signal ended the run,\n"
+    "6 --max-walltime did; `ductile resume` goes on after each of the last three.\n"
     "Under mpirun the channel is shared among the ranks; results do not depend on their number.\n"
     "`ductile COMMAND --help` tells more about a command.";
 
@@ -80,6 +83,7 @@ std::vector<std::unique_ptr<Command>> all_commands() {
   std::vector<std::unique_ptr<Command>> commands;
   commands.push_back(std::make_unique<RunCommand>());
   commands.push_back(std::make_unique<PairCommand>());
+  commands.push_back(std::make_unique<ResumeCommand>());
   commands.push_back(std::make_unique<CompareCommand>());
   commands.push_back(std::make_unique<CheckCommand>());
   commands.push_back(std::make_unique<BenchCommand>());
@@ -117,10 +121,10 @@ int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Pictur
   try {
     const CommandLine line(broadcast_arguments(arguments, comm));
     if (line.command() != nullptr) return line.command()->execute(comm, pictures);
-    if (root) std::fputs(line.text().c_str(), stdout);
+    if (root) say(stdout, line.text());
     return exit_success;
   } catch (const InputError& error) {
-    if (root) fmt::print(stderr, "{}\n", error.what());
+    if (root) say(stderr, "{}\n", error.what());
     return exit_bad_input;
   }
 }

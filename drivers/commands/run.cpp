@@ -1,5 +1,7 @@
 #include "commands/run.hpp"
 
+#include <fmt/format.h>
+
 #include <set>
 #include <string>
 
@@ -8,15 +10,39 @@
 #include "output/outcome.hpp"
 #include "run/petsc_options.hpp"
 #include "run/run.hpp"
+#include "scenario/errors.hpp"
+#include "scenario/text.hpp"
 #include "scenario/writer.hpp"
 
 namespace ductile::drivers {
 
+void SingleRun::declare_run(CLI::App& command) {
+  command.add_flag("--profile", profile_,
+                   "Show the time by part of every rank, and put it into summary.json");
+  command
+      .add_option(
+          "--max-walltime", max_walltime_,
+          "Time on the clock after which the run writes a checkpoint and ends with exit code "
+          "6: 90s, 30m, 11.5h, 2d, or HH:MM:SS; counted from the start of the program")
+      ->type_name("TIME");
+}
+
 void SingleRun::declare_shared(CLI::App& command, const std::string& usual_directory) {
   scenario_.declare(command);
   output_.declare(command, usual_directory);
-  command.add_flag("--profile", profile_,
-                   "Show the time by part of every rank, and put it into summary.json");
+  declare_run(command);
+}
+
+std::optional<double> SingleRun::max_walltime() const {
+  if (max_walltime_.empty()) return std::nullopt;
+  const std::optional<double> seconds = parsed_duration(max_walltime_);
+  if (!seconds || !(*seconds > 0)) {
+    throw InputError(
+        fmt::format("--max-walltime {}: must be a time above 0 such as 90s, 30m, 11.5h, "
+                    "2d or 11:30:00",
+                    max_walltime_));
+  }
+  return seconds;
 }
 
 int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
@@ -25,6 +51,7 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
   std::set<std::string> read_options;  // rank 0's
   std::vector<std::string> warnings;   // rank 0's
   const int code = with_input(comm, [&] {
+    static_cast<void>(max_walltime());  // refused here if at all
     const Request request = prepare();
     read_options = try_petsc_options(request.given);
     warnings = advise({{"", request.given}}).front();
@@ -34,8 +61,10 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
   if (code != exit_success) return code;
   const Case given = shared_case(scenario, comm);
   if (!enough_planes(given, comm)) return exit_bad_input;
-  const RunResult result =
-      run_case(given, {directory, scenario, force(), profile(), warnings, read_options}, comm);
+  const RunResult result = run_case(
+      given,
+      {directory, scenario, force(), resumes(), max_walltime(), profile(), warnings, read_options},
+      comm);
   if (result.summary) {
     print_outcome(*result.summary, directory);
     // Without bodies there is nothing to draw.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "commands/arguments.hpp"
@@ -21,11 +22,17 @@ class SingleRun : public Command {
   [[nodiscard]] virtual Request prepare() const = 0;
   [[nodiscard]] bool force() const { return output_.force(); }
   [[nodiscard]] bool profile() const { return profile_; }
+  /// In seconds. Throws InputError.
+  [[nodiscard]] std::optional<double> max_walltime() const;
+  /// Whether the run in the directory goes on.
+  [[nodiscard]] virtual bool resumes() const { return false; }
 
   int execute(MPI_Comm comm, Pictures& pictures) override;
 
  protected:
-  /// The options of every such command.
+  /// The options of every such command, ...
+  void declare_run(CLI::App& command);
+  /// ... and those too of one that starts a run.
   void declare_shared(CLI::App& command, const std::string& usual_directory);
   [[nodiscard]] const ScenarioArguments& scenario() const { return scenario_; }
   [[nodiscard]] const OutputArguments& output() const { return output_; }
@@ -34,6 +41,7 @@ class SingleRun : public Command {
   ScenarioArguments scenario_;
   OutputArguments output_;
   bool profile_ = false;
+  std::string max_walltime_;
 };
 
 class RunCommand final : public SingleRun {

@@ -1,13 +1,17 @@
-// HDF5 in C++ terms: handles that close, calls that throw. Thin, over the C API.
+// HDF5 in C++ terms: handles that close, calls that throw, new files that fail as a whole. Thin,
+// over the C API.
 #pragma once
 
 #include <hdf5.h>
 
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "output/file.hpp"
 
 namespace ductile::drivers::hdf5 {
 
@@ -59,13 +63,37 @@ class Handle {
   Close close_;
 };
 
-/// Creates or replaces the file, or opens it to be written. Throws OutputError.
-Handle open_file(const std::filesystem::path& file, bool create);
+/// A new HDF5 file. HDF5 itself never hears of a write that fails: it cannot close a file then, and
+/// ends the program in trouble. drivers::NewFile::commit() tells.
+class Writer {
+ public:
+  /// `out` must outlive it, and holds the whole file after close(). Throws OutputError.
+  explicit Writer(NewFile& out, hsize_t user_block = 0);
+  [[nodiscard]] hid_t file() const { return file_; }
+  /// Throws OutputError.
+  void close();
+
+ private:
+  std::string name_;
+  Handle file_;
+};
+
+/// Replaces `file` by a new HDF5 file that `fill` writes. Throws OutputError.
+void write_file(const std::filesystem::path& file, const std::function<void(hid_t file)>& fill);
+
+/// Opens it to be read. Throws OutputError.
+Handle open_file(const std::filesystem::path& file);
 
 Handle create_group(hid_t parent, const std::string& name);
+/// Makes the group unless there is one.
+void need_group(hid_t parent, const std::string& name);
+/// `name` in `parent` stands for the root of another file, by a path relative to this one's.
+void create_link(hid_t parent, const std::string& name, const std::string& file);
 
 void write_attribute(hid_t object, const char* name, std::string_view text);
 void write_attribute(hid_t object, const char* name, double value);
+/// A text; empty if there is none of that name.
+std::string read_attribute(hid_t object, const char* name);
 
 /// A type in the file and in memory.
 struct Type {
@@ -75,8 +103,10 @@ struct Type {
 Type doubles();
 Type floats();
 Type integers();
+Type characters();
 
-/// A dataset with the attribute `units`. The same data make the same bytes: no times are kept.
+/// A dataset with the attribute `units`, if any are given. The same data make the same bytes: no
+/// times are kept.
 void write_dataset(hid_t parent, const std::string& name, std::initializer_list<hsize_t> shape,
                    Type type, const void* values, std::string_view units);
 

@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "output/say.hpp"
+
 namespace ductile::drivers {
 namespace fs = std::filesystem;
 
@@ -71,7 +73,7 @@ std::string_view last_line(std::string_view text) {
 /// Lets the script draw `picture` into the directory that is its one argument.
 bool draw(const char* script_name, std::string_view picture, const fs::path& directory) {
   const auto warn = [picture](std::string_view reason) {
-    fmt::print(stderr, "warning: no {}: {}\n", picture, reason);
+    say(stderr, "warning: no {}: {}\n", picture, reason);
     return false;
   };
   const auto script = find_script(script_name);

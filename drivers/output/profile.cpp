@@ -115,6 +115,19 @@ std::string table(const RunProfile& profile) {
   return text;
 }
 
+void add_leg(Json& json, const Leg& leg) {
+  json.open('{');
+  json.add("from_step", leg.from);
+  json.add("to_step", leg.to);
+  json.add("ranks", leg.ranks);
+  json.add("wall_time_s", leg.wall_time);
+  json.open('{', "core_time_s");
+  for (std::size_t p = 0; p < RunProfile::parts; ++p)
+    json.add(RunProfile::names()[p], leg.core_time[p]);
+  json.close('}');
+  json.close('}');
+}
+
 void add_profile(Json& json, const RunProfile& profile) {
   json.add("steps", profile.steps);
   json.open('{', "seconds_by_rank");

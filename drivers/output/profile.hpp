@@ -34,6 +34,14 @@ struct RunProfile {
   [[nodiscard]] double longest_step() const;
 };
 
+/// A stretch of a run that one process, or one job of them, has computed.
+struct Leg {
+  std::int64_t from = 0, to = 0;  ///< steps
+  int ranks = 1;
+  double wall_time = 0;          ///< [s]
+  RunProfile::Rank core_time{};  ///< by part, of all ranks together [s]
+};
+
 /// The profile of all ranks, on rank 0; nothing on the others. `whole` is this rank's time in the
 /// loop, of which the coupler does not know the output's. Collective. Throws fluid::MpiFailure.
 std::optional<RunProfile> gathered(const coupling::Profile& own, double whole, MPI_Comm comm);
@@ -41,6 +49,9 @@ std::optional<RunProfile> gathered(const coupling::Profile& own, double whole, M
 /// One row a part: seconds and share of each rank where there are at most four, and where there are
 /// several their least, mean and largest.
 std::string table(const RunProfile& profile);
+
+/// A leg as an object.
+void add_leg(Json& json, const Leg& leg);
 
 /// An object: the steps, and by part the seconds of all ranks in their order.
 void add_profile(Json& json, const RunProfile& profile);

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "output/file.hpp"
 #include "output/json.hpp"
-#include "output/run_directory.hpp"
 
 namespace ductile::drivers {
 
@@ -77,6 +77,8 @@ std::string_view to_string(RunStatus status) {
       return "time limit";
     case RunStatus::interrupted:
       return "interrupted";
+    case RunStatus::walltime:
+      return "walltime";
     case RunStatus::blew_up:
       break;
   }
@@ -88,7 +90,9 @@ void add_blow_up(Json& json, const BlowUp& blow_up) {
   json.add("step", blow_up.step);
   json.add("body", blow_up.body.empty() ? "fluid" : blow_up.body);
   json.add("vertex", blow_up.vertex);
+  json.add("place_W", blow_up.place);
   json.add("reason", blow_up.reason);
+  json.add("likely_cause", blow_up.cause);
   json.close('}');
 }
 
@@ -135,6 +139,9 @@ std::string to_json(const Summary& summary) {
   json.add("wall_time_s", summary.wall_time);
   json.add("updates_per_second", summary.updates_per_second);
   json.add("ranks", summary.ranks);
+  json.open('[', "legs");
+  for (const Leg& leg : summary.legs) add_leg(json, leg);
+  json.close(']');
   if (summary.profile) {
     json.open('{', "profile");
     add_profile(json, *summary.profile);

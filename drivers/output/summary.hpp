@@ -24,6 +24,7 @@ enum class RunStatus {
   contact,        ///< "contact": surfaces have crossed, or a body has come to a wall
   time_limit,     ///< "time limit": it reached its end time with the pair undecided
   interrupted,    ///< "interrupted": by a signal
+  walltime,       ///< "walltime": it has used up the time that it was given
   blew_up         ///< "blew up"
 };
 std::string_view to_string(RunStatus status);
@@ -34,6 +35,8 @@ struct BlowUp {
   std::string body;                   ///< empty: the fluid
   std::optional<std::size_t> vertex;  ///< of the body, where one is known
   std::string reason;
+  std::optional<Eigen::Vector3d> place;  ///< [W]; z in the channel
+  std::string cause;                     ///< the likely one
 
   /// "the fluid" or "body NAME".
   [[nodiscard]] std::string who() const { return body.empty() ? "the fluid" : "body " + body; }
@@ -70,6 +73,7 @@ struct Summary {
   std::string scenario;  ///< name or file
   RunStatus status = RunStatus::finished;
   std::optional<BlowUp> blow_up;
+  int signal = 0;              ///< that has ended the run, if one has
   std::string contact_reason;  ///< why the contact has ended the run, if one has
   double time = 0;             ///< simulated [W^2/nu]
   std::int64_t steps = 0;
@@ -78,9 +82,10 @@ struct Summary {
   std::vector<BodySummary> bodies;
   std::vector<ContactSummary> contacts;
   std::vector<std::string> warnings;
-  double wall_time = 0;           ///< [s]
-  double updates_per_second = 0;  ///< lattice nodes x steps / wall time
-  int ranks = 1;
+  double wall_time = 0;               ///< of all legs [s]
+  double updates_per_second = 0;      ///< lattice nodes x steps / wall time
+  int ranks = 1;                      ///< of the last leg
+  std::vector<Leg> legs;              ///< one, unless the run was resumed
   std::optional<RunProfile> profile;  ///< where it was asked for
   std::vector<std::pair<std::string, std::string>> versions;
 };

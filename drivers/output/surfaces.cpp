@@ -6,14 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "output/hdf5.hpp"
-#include "output/run_directory.hpp"
 #include "scenario/text.hpp"
 
 namespace ductile::drivers {
@@ -30,6 +28,7 @@ using suspension::SurfaceState;
 
 constexpr const char* data_name = "run.h5";
 constexpr const char* description_name = "run.xdmf";
+constexpr const char* frames_name = "frames";
 
 constexpr const char* channel_name = "channel";
 constexpr const char* fluid_name = "fluid";
@@ -93,10 +92,10 @@ std::array<std::span<const double>, 3> components(std::span<const double> vector
 }
 
 std::string xdmf_item(std::string_view dimensions, std::string_view type, int precision,
-                      std::string_view dataset) {
+                      std::string_view place) {
   return fmt::format(
-      R"(<DataItem Dimensions="{}" NumberType="{}" Precision="{}" Format="HDF">{}:{}</DataItem>)",
-      dimensions, type, precision, data_name, dataset);
+      R"(<DataItem Dimensions="{}" NumberType="{}" Precision="{}" Format="HDF">{}</DataItem>)",
+      dimensions, type, precision, place);
 }
 
 std::string xdmf_values(int count, std::string_view values) {
@@ -126,8 +125,20 @@ std::string xdmf_grid(std::string_view name, double time, std::string_view conte
       time, name, content);
 }
 
-std::string frame_path(std::size_t frame) {
-  return fmt::format("/frames/{:06}", frame);
+std::string frame_name(std::size_t frame) {
+  return fmt::format("{:06}", frame);
+}
+
+std::string frame_file(std::size_t frame) {
+  return fmt::format("{}/{}.h5", frames_name, frame_name(frame));
+}
+
+std::string in_data(std::string_view dataset) {
+  return fmt::format("{}:/{}", data_name, dataset);
+}
+
+std::string in_frame(std::size_t frame, std::string_view part, std::string_view dataset) {
+  return fmt::format("{}:/{}/{}", frame_file(frame), part, dataset);
 }
 
 // As lines, which hide nothing behind them. Time and size are data of the grid as a whole.
@@ -135,9 +146,9 @@ std::string xdmf_channel(const Channel& channel, double time) {
   const std::string content =
       "          <Topology TopologyType=\"Polyline\" NodesPerElement=\"2\" "
       "NumberOfElements=\"12\">" +
-      xdmf_item("12 2", "Int", 4, "/channel/edges") +
+      xdmf_item("12 2", "Int", 4, in_data("channel/edges")) +
       "</Topology>\n          <Geometry GeometryType=\"XYZ\">" +
-      xdmf_item("8 3", "Float", 8, "/channel/corners") + "</Geometry>\n" +
+      xdmf_item("8 3", "Float", 8, in_data("channel/corners")) + "</Geometry>\n" +
       xdmf_attribute(time_field, "Scalar", xdmf_values(1, fmt::format("{}", time)), "Grid") +
       xdmf_attribute(
           size_field, "Vector",
@@ -145,28 +156,27 @@ std::string xdmf_channel(const Channel& channel, double time) {
   return xdmf_grid(channel_name, time, content);
 }
 
-std::string xdmf_surface(const SurfaceMesh& mesh, const SurfaceState& state, std::size_t frame,
+std::string xdmf_surface(const SurfaceMesh& mesh, const Frame::Given& given, std::size_t frame,
                          double time) {
-  const std::string data = fmt::format("{}/{}/", frame_path(frame), mesh.name);
   const std::string shape = fmt::format("{} 3", mesh.vertices);
   std::string content = fmt::format(
       "          <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n"
       "          <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
       mesh.triangles.size(),
       xdmf_item(fmt::format("{} 3", mesh.triangles.size()), "Int", 4,
-                fmt::format("/bodies/{}/triangles", mesh.name)),
-      xdmf_item(shape, "Float", 8, data + position_field.name));
-  for (const auto& [field, values] :
-       {std::pair(velocity_field, &state.velocity), std::pair(force_field, &state.force)}) {
-    if (values->empty()) continue;
-    content += xdmf_attribute(field, "Vector", xdmf_item(shape, "Float", 8, data + field.name));
+                in_data(fmt::format("bodies/{}/triangles", mesh.name))),
+      xdmf_item(shape, "Float", 8, in_frame(frame, mesh.name, position_field.name)));
+  for (const auto& [field, is_given] :
+       {std::pair(velocity_field, given.velocity), std::pair(force_field, given.force)}) {
+    if (!is_given) continue;
+    content += xdmf_attribute(field, "Vector",
+                              xdmf_item(shape, "Float", 8, in_frame(frame, mesh.name, field.name)));
   }
   return xdmf_grid(mesh.name, time, content);
 }
 
 // XDMF 2 lists the axes of regular meshes from the slowest to the fastest: z, y, x.
 std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double time) {
-  const std::string data = frame_path(frame) + "/fluid/";
   const FluidGrid grid(lattice);
   const std::string shape = fmt::format("{} {} {}", grid.nodes[2], grid.nodes[1], grid.nodes[0]);
   const std::string content =
@@ -178,10 +188,12 @@ std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double ti
           xdmf_values(3,
                       fmt::format("{} {} {}", grid.origin.z(), grid.origin.y(), grid.origin.x())),
           xdmf_values(3, fmt::format("{0} {0} {0}", lattice.spacing))) +
-      xdmf_attribute(density_field, "Scalar",
-                     xdmf_item(shape, "Float", 4, data + density_field.name)) +
-      xdmf_attribute(velocity_field, "Vector",
-                     xdmf_item(shape + " 3", "Float", 4, data + velocity_field.name));
+      xdmf_attribute(
+          density_field, "Scalar",
+          xdmf_item(shape, "Float", 4, in_frame(frame, fluid_name, density_field.name))) +
+      xdmf_attribute(
+          velocity_field, "Vector",
+          xdmf_item(shape + " 3", "Float", 4, in_frame(frame, fluid_name, velocity_field.name)));
   return xdmf_grid(fluid_name, time, content);
 }
 
@@ -212,14 +224,12 @@ double centre_z(std::span<const double> position) {
 
 }  // namespace
 
-Surfaces::Surfaces(const fs::path& directory, std::vector<SurfaceMesh> bodies,
-                   const Channel& channel, const std::optional<FluidLattice>& lattice)
-    : data_(directory / data_name),
-      description_(directory / description_name),
+Surfaces::Surfaces(fs::path directory, std::vector<SurfaceMesh> bodies, const Channel& channel,
+                   const std::optional<FluidLattice>& lattice, std::vector<Frame> frames)
+    : directory_(std::move(directory)),
       bodies_(std::move(bodies)),
       channel_(channel),
       lattice_(lattice),
-      last_time_(-std::numeric_limits<double>::infinity()),
       grids_(bodies_.size() + 2) {
   if (!(channel_.half_width_y > 0) || !(channel_.length > 0)) {
     throw std::invalid_argument(fmt::format("channel of half-width {} along y, length {}",
@@ -247,42 +257,77 @@ Surfaces::Surfaces(const fs::path& directory, std::vector<SurfaceMesh> bodies,
                                             lattice_->nodes[2], lattice_->spacing));
   }
 
-  const hdf5::QuietErrors quiet;
-  Handle file = hdf5::open_file(data_, true);
-  write_channel(file, channel_);
-  {
+  std::error_code error;
+  fs::create_directory(directory_ / frames_name, error);
+  if (error) fail_to_write(directory_ / frames_name, error.value());
+  take_over(std::move(frames));
+  write_overview();
+}
+
+// Frames beyond those that are known came after what the run goes on from.
+void Surfaces::take_over(std::vector<Frame> frames) {
+  std::set<fs::path> known;
+  for (Frame& frame : frames) {
+    const fs::path file = directory_ / frame_file(frames_.size());
+    if (frame.bodies.size() != bodies_.size() || !fs::exists(file))
+      throw std::runtime_error(fmt::format("{} is missing or of another run", file.string()));
+    known.insert(file);
+    add(std::move(frame));
+  }
+  flushed_ = frames_.size();
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory_ / frames_name, error)) {
+    if (!known.contains(entry.path()) && !fs::remove(entry.path(), error)) break;
+  }
+  if (error) fail_to_write(directory_ / frames_name, error.value());
+}
+
+void Surfaces::add(Frame frame) {
+  const std::size_t number = frames_.size();
+  grids_.front() += xdmf_channel(channel_, frame.time);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    grids_[1 + b] += xdmf_surface(bodies_[b], frame.bodies[b], number, frame.time);
+  if (frame.fluid) grids_.back() += xdmf_fluid(*lattice_, number, frame.time);
+  frames_.push_back(std::move(frame));
+}
+
+void Surfaces::write(double time, std::span<const SurfaceState> bodies, const FluidState* fluid) {
+  check(time, bodies, fluid);
+  Frame written{time, fluid != nullptr, {}};
+  hdf5::write_file(directory_ / frame_file(frames_.size()), [&](hid_t frame) {
+    write_attribute(frame, "time", time);
+    write_attribute(frame, "time_units", time_field.unit);
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      write_body(frame, b, bodies[b]);
+      written.bodies.push_back({!bodies[b].velocity.empty(), !bodies[b].force.empty()});
+    }
+    if (fluid != nullptr) write_fluid(frame, *fluid);
+  });
+  add(std::move(written));
+  write_overview();
+}
+
+void Surfaces::flush() {
+  for (; flushed_ < frames_.size(); ++flushed_) flush_to_disk(directory_ / frame_file(flushed_));
+  for (const fs::path& path :
+       {directory_ / frames_name, directory_ / data_name, directory_ / description_name})
+    flush_to_disk(path);
+}
+
+// What run.xdmf names is there before it is named.
+void Surfaces::write_overview() const {
+  hdf5::write_file(directory_ / data_name, [this](hid_t file) {
+    write_channel(file, channel_);
     Handle group = create_group(file, "bodies");
     for (const auto& body : bodies_) {
       Handle own = create_group(group, body.name);
       write_dataset(own, "triangles", {body.triangles.size(), 3}, hdf5::integers(),
                     body.triangles.data(), "vertex index");
     }
-    create_group(file, "frames");
-  }
-  file.close(data_.string());
-  write_xdmf();
-}
-
-void Surfaces::write(double time, std::span<const SurfaceState> bodies, const FluidState* fluid) {
-  check(time, bodies, fluid);
-  const hdf5::QuietErrors quiet;
-  Handle file = hdf5::open_file(data_, false);
-  {
-    Handle frame = create_group(file, frame_path(frames_));
-    write_attribute(frame, "time", time);
-    write_attribute(frame, "time_units", time_field.unit);
-    for (std::size_t b = 0; b < bodies.size(); ++b) write_body(frame, b, bodies[b]);
-    if (fluid != nullptr) write_fluid(frame, *fluid);
-  }
-  file.close(data_.string());
-
-  grids_.front() += xdmf_channel(channel_, time);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    grids_[1 + b] += xdmf_surface(bodies_[b], bodies[b], frames_, time);
-  }
-  if (fluid != nullptr) grids_.back() += xdmf_fluid(*lattice_, frames_, time);
-  ++frames_;
-  last_time_ = time;
+    Handle frames = create_group(file, frames_name);
+    for (std::size_t n = 0; n < frames_.size(); ++n)
+      hdf5::create_link(frames, frame_name(n), frame_file(n));
+  });
   write_xdmf();
 }
 
@@ -316,9 +361,9 @@ void Surfaces::write_fluid(hid_t frame, const FluidState& fluid) const {
 
 void Surfaces::check(double time, std::span<const SurfaceState> bodies,
                      const FluidState* fluid) const {
-  if (!(time > last_time_)) {
+  if (!frames_.empty() && !(time > frames_.back().time)) {
     throw std::invalid_argument(
-        fmt::format("frame at t = {} does not follow that at t = {}", time, last_time_));
+        fmt::format("frame at t = {} does not follow that at t = {}", time, frames_.back().time));
   }
   if (bodies.size() != bodies_.size()) {
     throw std::invalid_argument(
@@ -359,7 +404,7 @@ void Surfaces::write_xdmf() const {
         grids_[g]);
   }
   text += "  </Domain>\n</Xdmf>\n";
-  write_atomically(description_, text);
+  write_atomically(directory_ / description_name, text);
 }
 
 }  // namespace ductile::drivers

@@ -39,8 +39,20 @@ struct FluidLattice {
   fluid::Mirror mirror = fluid::Mirror::none;        ///< fields come for the upper half alone
 };
 
-/// Writes frames into run.h5, and run.xdmf that lets ParaView read them (XDMF 2, by any of its
-/// readers; paths are relative, so the directory may be moved). In run.h5:
+/// A frame that has been written: what there is in it.
+struct Frame {
+  struct Given {
+    bool velocity = false;
+    bool force = false;
+  };
+  double time = 0;  ///< [W^2/nu]
+  bool fluid = false;
+  std::vector<Given> bodies;  ///< besides the positions
+};
+
+/// Writes frames, one file each, run.h5 that shows them all, and run.xdmf that lets ParaView read
+/// them (XDMF 2, by any of its readers; paths are relative, so the directory may be moved). In
+/// run.h5, whose frames are links to frames/000000.h5 and so on:
 ///     /channel/corners                     double [8, 3], edges int32 [12, 2]: its outline
 ///     /bodies/NAME/triangles               int32 [triangles, 3]
 ///     /frames/000000/                      attribute time [W^2/nu]
@@ -55,36 +67,43 @@ struct FluidLattice {
 /// The fluid is shown whole too: below a mirror plane as the image of what is above it, and with
 /// the plane z = L/2, which repeats z = -L/2. Fields are stored in single precision.
 ///
-/// Between frames run.h5 is closed, and run.xdmf is replaced only after it: both can be read while
-/// the run goes on, and a run that dies leaves both readable up to its last whole frame.
+/// Every file is written beside and put into its place, a frame before what names it: all can be
+/// read while the run goes on, and whatever it ends by, they hold all frames that were whole.
 class Surfaces {
  public:
-  /// Creates or overwrites both files in `directory`. Throws OutputError; std::invalid_argument for
-  /// names that repeat or cannot stand in a path, a triangle that names no vertex, a channel of no
-  /// size, or a lattice without nodes.
-  Surfaces(const std::filesystem::path& directory, std::vector<SurfaceMesh> bodies,
-           const Channel& channel, const std::optional<FluidLattice>& lattice = std::nullopt);
+  /// Goes on after `frames`, which are there already, and removes others. Throws OutputError;
+  /// std::runtime_error if one of them is missing; std::invalid_argument for names that repeat or
+  /// cannot stand in a path, a triangle that names no vertex, a channel of no size, or a lattice
+  /// without nodes.
+  Surfaces(std::filesystem::path directory, std::vector<SurfaceMesh> bodies, const Channel& channel,
+           const std::optional<FluidLattice>& lattice = std::nullopt,
+           std::vector<Frame> frames = {});
 
   /// Appends a frame: every body in order and, if `fluid` is given, the fluid (which may come less
   /// often than the bodies). Throws OutputError, or std::invalid_argument if a size does not fit,
   /// time does not increase, or fluid comes without a lattice.
   void write(double time, std::span<const suspension::SurfaceState> bodies,
              const suspension::FluidState* fluid = nullptr);
+  [[nodiscard]] const std::vector<Frame>& frames() const { return frames_; }
+  /// Brings all frames onto the disk. Throws OutputError.
+  void flush();
 
  private:
+  void take_over(std::vector<Frame> frames);
+  void add(Frame frame);
   void check(double time, std::span<const suspension::SurfaceState> bodies,
              const suspension::FluidState* fluid) const;
   void write_body(hid_t frame, std::size_t body, const suspension::SurfaceState& state) const;
   void write_fluid(hid_t frame, const suspension::FluidState& fluid) const;
+  void write_overview() const;
   void write_xdmf() const;
 
-  std::filesystem::path data_;
-  std::filesystem::path description_;
+  std::filesystem::path directory_;
   std::vector<SurfaceMesh> bodies_;
   Channel channel_;
   std::optional<FluidLattice> lattice_;
-  std::size_t frames_ = 0;
-  double last_time_ = 0;
+  std::vector<Frame> frames_;
+  std::size_t flushed_ = 0;  // so many of them are on the disk
   // XDMF of all frames so far: of the channel, of each body, of the fluid.
   std::vector<std::string> grids_;
 };

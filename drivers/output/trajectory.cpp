@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <functional>
 #include <iterator>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
-#include "output/run_directory.hpp"
 #include "scenario/text.hpp"
 
 namespace ductile::drivers {
@@ -48,28 +49,57 @@ std::string header(const std::vector<std::string>& names, const std::vector<bool
 
 }  // namespace
 
-Trajectory::Trajectory(std::filesystem::path file, std::vector<std::string> names)
-    : file_(std::move(file)), names_(std::move(names)) {
+Trajectory::Trajectory(std::filesystem::path file, std::vector<std::string> names,
+                       std::vector<bool> capsules)
+    : file_(std::move(file)), names_(std::move(names)), capsules_(std::move(capsules)) {
+  check_names();
+  out_.emplace(file_);
+  write_line(header(names_, capsules_));
+}
+
+Trajectory::Trajectory(std::filesystem::path file, std::vector<std::string> names,
+                       std::vector<bool> capsules, const Extent& kept,
+                       std::vector<suspension::Sample>& samples)
+    : file_(std::move(file)), names_(std::move(names)), capsules_(std::move(capsules)) {
+  check_names();
+  const auto refuse = [this](std::string_view reason) {
+    throw std::runtime_error(fmt::format("{} {}", file_.string(), reason));
+  };
+  std::string text(kept.bytes, '\0');
+  std::ifstream in(file_, std::ios::binary);
+  if (!in.read(text.data(), static_cast<std::streamsize>(text.size())))
+    refuse(fmt::format("has not the {} bytes that the checkpoint has seen in it", kept.bytes));
+  checksum_.add(text.data(), text.size());
+  if (checksum_.text() != kept.checksum) refuse("has changed since the checkpoint");
+
+  std::string_view rest = text;
+  const auto next = [&rest] {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    return line;
+  };
+  if (next() != header(names_, capsules_)) refuse("has other columns than this run");
+  samples.clear();
+  while (!rest.empty()) samples.push_back(parsed(next()));
+  out_.emplace(file_, kept.bytes);
+}
+
+void Trajectory::check_names() const {
   for (const auto& name : names_) {
     if (!is_name(name))
       throw std::invalid_argument(fmt::format("body name '{}': must be {}", name, name_rule));
   }
-  out_.reset(std::fopen(file_.c_str(), "wb"));
-  if (!out_) {
-    throw OutputError(fmt::format("cannot write {}: {}", file_.string(), std::strerror(errno)));
-  }
 }
 
 void Trajectory::write(const suspension::Sample& sample) {
-  std::vector<bool> capsules;
-  for (const auto& body : sample.bodies) capsules.push_back(body.capsule);
-  if (capsules.size() != names_.size() || (capsules_ && capsules != *capsules_)) {
+  const auto differs = [](const suspension::BodySample& body, bool capsule) {
+    return body.capsule != capsule;
+  };
+  if (!std::ranges::equal(sample.bodies, capsules_, std::not_fn(differs))) {
     throw std::invalid_argument(fmt::format(
-        "trajectory of {} bodies: a sample has other bodies than the lines before", names_.size()));
+        "trajectory of {} bodies: a sample has other bodies than its header", names_.size()));
   }
-  if (!capsules_) write_line(header(names_, capsules));
-  capsules_ = capsules;
-
   std::string line = fmt::format("{}", sample.time);
   const auto add = [&](double value) { fmt::format_to(std::back_inserter(line), ",{}", value); };
   const auto columns = [&](bool motion) {
@@ -83,12 +113,43 @@ void Trajectory::write(const suspension::Sample& sample) {
   write_line(std::move(line));
 }
 
+// The other way round.
+suspension::Sample Trajectory::parsed(std::string_view line) const {
+  const auto next = [&] {
+    double value = 0;
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+    if (error != std::errc())
+      throw std::runtime_error(fmt::format("{}: '{}' is no number", file_.string(), line));
+    const auto used = static_cast<std::size_t>(end - line.data());
+    line.remove_prefix(std::min(used + 1, line.size()));
+    return value;
+  };
+  suspension::Sample sample;
+  sample.time = next();
+  for (const bool capsule : capsules_) {
+    sample.bodies.emplace_back();
+    sample.bodies.back().capsule = capsule;
+  }
+  const auto columns = [&](bool motion) {
+    for (auto& body : sample.bodies) {
+      for_group(motion, body.capsule,
+                [&](const Quantity&, std::size_t q) { body.values[q] = next(); });
+    }
+  };
+  columns(true);
+  if (capsules_.size() == 2) static_cast<void>(next());  // of the positions
+  columns(false);
+  return sample;
+}
+
+Trajectory::Extent Trajectory::extent() const {
+  return {out_->size(), checksum_.text()};
+}
+
 void Trajectory::write_line(std::string line) {
   line += '\n';
-  if (std::fwrite(line.data(), 1, line.size(), out_.get()) != line.size() ||
-      std::fflush(out_.get()) != 0) {
-    throw OutputError(fmt::format("cannot write {}: {}", file_.string(), std::strerror(errno)));
-  }
+  out_->append(line);
+  checksum_.add(line.data(), line.size());
 }
 
 }  // namespace ductile::drivers

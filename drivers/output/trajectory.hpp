@@ -1,14 +1,16 @@
 // trajectory.csv: where the bodies are, over time.
 #pragma once
 
-#include <cstdio>
+#include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ductile/suspension/sample.hpp"
+#include "output/checksum.hpp"
+#include "output/file.hpp"
 
 namespace ductile::drivers {
 
@@ -21,24 +23,39 @@ namespace ductile::drivers {
 /// files. Each line is handed to the system at once: what was written survives a crash.
 class Trajectory {
  public:
-  /// Creates or overwrites `file`. Throws OutputError, or std::invalid_argument for a name that
-  /// cannot stand in a header.
-  Trajectory(std::filesystem::path file, std::vector<std::string> names);
+  /// So much of a file, and its checksum.
+  struct Extent {
+    std::uint64_t bytes = 0;
+    std::string checksum;
+  };
+
+  /// `capsules` says which bodies are. Creates or overwrites `file`. Throws OutputError, or
+  /// std::invalid_argument for a name that cannot stand in a header.
+  Trajectory(std::filesystem::path file, std::vector<std::string> names,
+             std::vector<bool> capsules);
+  /// Goes on after `kept` of the file, and drops what comes after; samples <- those of its lines.
+  /// Throws std::runtime_error, and leaves the file alone, if these bytes are not what they were.
+  Trajectory(std::filesystem::path file, std::vector<std::string> names, std::vector<bool> capsules,
+             const Extent& kept, std::vector<suspension::Sample>& samples);
 
   /// Appends a line. The bodies are those of `names`, in their order. Throws OutputError, or
-  /// std::invalid_argument if their number, or which of them are capsules, is not that of before.
+  /// std::invalid_argument if their number, or which of them are capsules, is another.
   void write(const suspension::Sample& sample);
+  /// Of all lines.
+  [[nodiscard]] Extent extent() const;
+  /// Brings all lines onto the disk. Throws OutputError.
+  void flush() const { out_->flush(); }
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
+  void check_names() const;
   void write_line(std::string line);
+  [[nodiscard]] suspension::Sample parsed(std::string_view line) const;
 
   std::filesystem::path file_;
   std::vector<std::string> names_;
-  std::optional<std::vector<bool>> capsules_;  // which bodies are; once the header is written
-  std::unique_ptr<std::FILE, Close> out_;
+  std::vector<bool> capsules_;
+  std::optional<AppendedFile> out_;
+  Checksum checksum_;
 };
 
 }  // namespace ductile::drivers

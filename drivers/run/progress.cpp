@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "output/say.hpp"
 #include "scenario/text.hpp"
 
 namespace ductile::drivers {
@@ -57,7 +58,7 @@ void Progress::update(double time, std::int64_t step) {
 void Progress::finish() {
   if (!started_) return;
   if (now_.step > shown_.step || !terminal_) show();
-  if (terminal_) fmt::print(out_, "\n");
+  if (terminal_) std::fputs("\n", out_);
   std::fflush(out_);
   started_ = false;
 }
@@ -78,7 +79,8 @@ void Progress::show() {
   }
   if (!note_.empty()) text += "  " + note_;
   // The escape clears what a longer line before has left.
-  fmt::print(out_, fmt::runtime(terminal_ ? "\r{}\x1b[K" : "{}\n"), text);
+  std::fputs((terminal_ ? "\r" + text + "\x1b[K" : text + "\n").c_str(), out_);
+  if (!terminal_) note_in_log(text + "\n");
   std::fflush(out_);
   shown_ = now_;
 }

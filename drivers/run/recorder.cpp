@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <utility>
+
+#include "scenario/errors.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -16,28 +19,129 @@ std::vector<std::string> names(const Scenario& scenario) {
   return list;
 }
 
-/// Nothing where no frames are asked for.
-std::optional<Surfaces> make_surfaces(const Case& given, const std::filesystem::path& directory) {
-  const auto& [scenario, plan, schedule] = given;
-  if (schedule.surfaces == 0 && schedule.fields == 0) return std::nullopt;
-  std::vector<SurfaceMesh> meshes;
-  for (const suspension::BodyPlan& body : plan.bodies) {
-    surface::Mesh mesh = body.mesh();
-    meshes.push_back({body.name, mesh.vertices.size(), std::move(mesh.triangles)});
+std::vector<bool> capsules(const Scenario& scenario) {
+  std::vector<bool> list;
+  for (const BodyOptions& body : scenario.bodies) list.push_back(body.kind == BodyKind::capsule);
+  return list;
+}
+
+// A part of the recorder's state as numbers, and back.
+using Numbers = std::vector<double>;
+
+Numbers numbers_of(const std::vector<Frame>& frames) {
+  Numbers numbers;
+  for (const Frame& frame : frames) {
+    numbers.insert(numbers.end(), {frame.time, frame.fluid ? 1.0 : 0.0});
+    for (const Frame::Given& given : frame.bodies)
+      numbers.push_back((given.velocity ? 1 : 0) + (given.force ? 2 : 0));
   }
-  std::optional<FluidLattice> lattice;
-  if (schedule.fields > 0) {
-    lattice.emplace();
-    for (std::size_t a = 0; a < 3; ++a) {
-      lattice->nodes[a] = static_cast<std::size_t>(plan.fluid.nodes[a]);
+  return numbers;
+}
+
+std::vector<Frame> frames_of(const Numbers& numbers, std::size_t bodies) {
+  std::vector<Frame> frames;
+  for (std::size_t n = 0; n + 2 + bodies <= numbers.size(); n += 2 + bodies) {
+    Frame& frame = frames.emplace_back(Frame{numbers[n], numbers[n + 1] != 0, {}});
+    for (std::size_t b = 0; b < bodies; ++b) {
+      const int given = static_cast<int>(numbers[n + 2 + b]);
+      frame.bodies.push_back({(given & 1) != 0, (given & 2) != 0});
     }
-    lattice->origin = plan.units.position(Eigen::Vector3d::Zero());
-    lattice->spacing = plan.units.length(1);
-    lattice->mirror = plan.fluid.mirror;
   }
-  return std::optional<Surfaces>(
-      std::in_place, directory, std::move(meshes),
-      Channel{plan.units.length(plan.half_width_y()), plan.units.length(plan.length())}, lattice);
+  return frames;
+}
+
+Numbers numbers_of(const Contacts& contacts) {
+  Numbers numbers;
+  for (const Contact& contact : contacts.all()) {
+    const suspension::Gap& gap = contact.smallest;
+    for (const auto index : {static_cast<std::size_t>(gap.to), gap.body, gap.other})
+      numbers.push_back(static_cast<double>(index));
+    numbers.insert(numbers.end(),
+                   {static_cast<double>(gap.side), gap.distance, contact.time, contact.since});
+  }
+  return numbers;
+}
+
+Contacts contacts_of(const Numbers& numbers) {
+  constexpr std::size_t each = 7;
+  std::vector<Contact> contacts;
+  for (std::size_t n = 0; n + each <= numbers.size(); n += each) {
+    Contact& contact = contacts.emplace_back();
+    contact.smallest.to = static_cast<suspension::Gap::To>(numbers[n]);
+    contact.smallest.body = static_cast<std::size_t>(numbers[n + 1]);
+    contact.smallest.other = static_cast<std::size_t>(numbers[n + 2]);
+    contact.smallest.side = static_cast<int>(numbers[n + 3]);
+    contact.smallest.distance = numbers[n + 4];
+    contact.time = numbers[n + 5];
+    contact.since = numbers[n + 6];
+  }
+  return Contacts(std::move(contacts));
+}
+
+constexpr std::size_t numbers_of_leg = 4 + RunProfile::parts;
+
+Numbers numbers_of(const std::vector<Leg>& legs) {
+  Numbers numbers;
+  for (const Leg& leg : legs) {
+    numbers.insert(numbers.end(), {static_cast<double>(leg.from), static_cast<double>(leg.to),
+                                   static_cast<double>(leg.ranks), leg.wall_time});
+    numbers.insert(numbers.end(), leg.core_time.begin(), leg.core_time.end());
+  }
+  return numbers;
+}
+
+std::vector<Leg> legs_of(const Numbers& numbers) {
+  std::vector<Leg> legs;
+  for (std::size_t n = 0; n + numbers_of_leg <= numbers.size(); n += numbers_of_leg) {
+    Leg& leg = legs.emplace_back();
+    leg.from = static_cast<std::int64_t>(numbers[n]);
+    leg.to = static_cast<std::int64_t>(numbers[n + 1]);
+    leg.ranks = static_cast<int>(numbers[n + 2]);
+    leg.wall_time = numbers[n + 3];
+    std::copy_n(&numbers[n + 4], RunProfile::parts, leg.core_time.begin());
+  }
+  return legs;
+}
+
+std::string lines(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += text + '\n';
+  return all;
+}
+
+std::vector<std::string> texts(const std::string& lines) {
+  std::vector<std::string> all;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  return all;
+}
+
+/// The lines of both that come after [run], which may differ: the first of those before and after
+/// it that are not the same, or nothing.
+std::optional<std::string> difference(const std::string& before, const std::string& now) {
+  const std::vector<std::string> a = texts(before);
+  const std::vector<std::string> b = texts(now);
+  std::string table;
+  std::size_t m = 0;
+  std::size_t n = 0;
+  const auto skip_limits = [](const std::vector<std::string>& lines, std::size_t& at) {
+    if (at < lines.size() && lines[at] == "[run]") {
+      do ++at;
+      while (at < lines.size() && !lines[at].starts_with('['));
+    }
+  };
+  const auto value = [](const std::vector<std::string>& lines, std::size_t at) {
+    return at < lines.size() ? lines[at].substr(0, lines[at].find("  ")) : "nothing";
+  };
+  for (; m < a.size() || n < b.size(); ++m, ++n) {
+    skip_limits(a, m);
+    skip_limits(b, n);
+    if (m >= a.size() && n >= b.size()) break;
+    if (m < a.size() && a[m].starts_with('[')) table = a[m] + " ";
+    if (value(a, m) != value(b, n))
+      return fmt::format("{}{} where the run has {}", table, value(b, n), value(a, m));
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -46,19 +150,133 @@ Recorder::Recorder(const Case& given, const std::filesystem::path& directory, bo
                    const std::string& scenario_text, std::vector<std::string> warnings)
     : given_(given),
       directory_(directory, force),
-      trajectory_(directory_.trajectory(), names(given.scenario)),
+      log_(std::make_shared<const Log>(directory_.log(), false)),
+      scenario_text_(scenario_text),
       judge_(given.scenario.run.stop_distance),
       lateral_(given.plan.bodies.size(), SettlingWatch(rules::lateral)),
       strain_(given.plan.bodies.size(), SettlingWatch(rules::strain)),
       volume_error_(given.plan.bodies.size(), 0.0),
       warnings_(std::move(warnings)) {
   directory_.write_scenario(scenario_text);
-  surfaces_ = make_surfaces(given, directory);
+  trajectory_.emplace(directory_.trajectory(), names(given.scenario), capsules(given.scenario));
+  if (frames_wanted()) make_surfaces({});
+}
+
+Recorder::Recorder(const Case& given, const std::filesystem::path& directory,
+                   const std::string& scenario_text, const std::vector<std::string>& warnings)
+    : given_(given),
+      directory_(directory),
+      log_(std::make_shared<const Log>(directory_.log(), true)),
+      scenario_text_(scenario_text),
+      judge_(given.scenario.run.stop_distance),
+      lateral_(given.plan.bodies.size(), SettlingWatch(rules::lateral)),
+      strain_(given.plan.bodies.size(), SettlingWatch(rules::strain)),
+      volume_error_(given.plan.bodies.size(), 0.0) {
+  bool any = false;
+  for (const auto& file : {directory_.checkpoint(), directory_.checkpoint_before()}) {
+    if (!std::filesystem::exists(file)) continue;
+    any = true;
+    try {
+      auto checkpoint = std::make_unique<Checkpoint>(file);
+      go_on(*checkpoint);
+      checkpoint_ = std::move(checkpoint);
+      break;
+    } catch (const InputError&) {
+      throw;
+    } catch (const OutputError&) {
+      throw;
+    } catch (const std::runtime_error& refused) {
+      say(stderr, "warning: {}\n", refused.what());
+    }
+  }
+  if (any && !checkpoint_) {
+    throw CheckpointError(
+        fmt::format("{}: no checkpoint is left that the run could go on from: start it anew with "
+                    "`ductile run {} -o DIR`",
+                    directory.string(), directory_.scenario().string()));
+  }
+  for (const std::string& warning : warnings) {
+    if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
+  }
+  directory_.write_scenario(scenario_text);
+  if (checkpoint_) return;
+  trajectory_.emplace(directory_.trajectory(), names(given.scenario), capsules(given.scenario));
+  if (frames_wanted()) make_surfaces({});
+}
+
+void Recorder::go_on(const Checkpoint& checkpoint) {
+  if (const auto other = difference(checkpoint.text("scenario"), scenario_text_)) {
+    throw InputError(fmt::format("{}: {}: of a run that goes on, [run] alone may be another",
+                                 directory_.scenario().string(), *other));
+  }
+  const Numbers steps = checkpoint.numbers("record/steps");
+  if (steps.size() != 2)
+    throw CheckpointError(fmt::format("{} has no record/steps", checkpoint.path().string()));
+  Course course;
+  course.last_row = static_cast<std::int64_t>(steps[0]);
+  course.last_frame = static_cast<std::int64_t>(steps[1]);
+  course.legs = legs_of(checkpoint.numbers("record/legs"));
+  Trajectory::Extent rows;
+  std::istringstream(checkpoint.text("record/rows")) >> rows.bytes >> rows.checksum;
+  std::vector<Frame> frames =
+      frames_of(checkpoint.numbers("record/frames"), given_.plan.bodies.size());
+  Contacts contacts = contacts_of(checkpoint.numbers("record/contacts"));
+  std::vector<std::string> warnings = texts(checkpoint.text("record/warnings"));
+  surfaces_.reset();
+  if (frames_wanted()) make_surfaces(std::move(frames));
+  trajectory_.emplace(directory_.trajectory(), names(given_.scenario), capsules(given_.scenario),
+                      rows, samples_);
+  contacts_ = std::move(contacts);
+  warnings_ = std::move(warnings);
+  course_ = std::move(course);
+  for (const suspension::Sample& sample : samples_) judge(sample);
+}
+
+void Recorder::save(NewCheckpoint& checkpoint, const Course& course) {
+  trajectory_->flush();
+  if (surfaces_) surfaces_->flush();
+  const Trajectory::Extent rows = trajectory_->extent();
+  checkpoint.put("scenario", scenario_text_);
+  checkpoint.put("record/steps", Numbers{static_cast<double>(course.last_row),
+                                         static_cast<double>(course.last_frame)});
+  checkpoint.put("record/legs", numbers_of(course.legs));
+  checkpoint.put("record/rows", fmt::format("{} {}", rows.bytes, rows.checksum));
+  checkpoint.put("record/frames", surfaces_ ? numbers_of(surfaces_->frames()) : Numbers());
+  checkpoint.put("record/contacts", numbers_of(contacts_));
+  checkpoint.put("record/warnings", lines(warnings_));
+}
+
+bool Recorder::frames_wanted() const {
+  return given_.schedule.surfaces > 0 || given_.schedule.fields > 0;
+}
+
+void Recorder::make_surfaces(std::vector<Frame> frames) {
+  const suspension::Plan& plan = given_.plan;
+  std::vector<SurfaceMesh> meshes;
+  for (const suspension::BodyPlan& body : plan.bodies) {
+    surface::Mesh mesh = body.mesh();
+    meshes.push_back({body.name, mesh.vertices.size(), std::move(mesh.triangles)});
+  }
+  FluidLattice lattice;
+  for (std::size_t a = 0; a < 3; ++a)
+    lattice.nodes[a] = static_cast<std::size_t>(plan.fluid.nodes[a]);
+  lattice.origin = plan.units.position(Eigen::Vector3d::Zero());
+  lattice.spacing = plan.units.length(1);
+  lattice.mirror = plan.fluid.mirror;
+  surfaces_.emplace(
+      directory_.path(), std::move(meshes),
+      Channel{plan.units.length(plan.half_width_y()), plan.units.length(plan.length())}, lattice,
+      std::move(frames));
 }
 
 Recorder::Finding Recorder::take(const suspension::Sample& sample) {
-  trajectory_.write(sample);
+  trajectory_->write(sample);
   samples_.push_back(sample);
+  judge(sample);
+  return found();
+}
+
+void Recorder::judge(const suspension::Sample& sample) {
   for (std::size_t b = 0; b < sample.bodies.size(); ++b) {
     const suspension::BodySample& body = sample.bodies[b];
     lateral_[b].update(sample.time, body["x"]);
@@ -66,8 +284,11 @@ Recorder::Finding Recorder::take(const suspension::Sample& sample) {
     strain_[b].update(sample.time, body["strain_energy"]);
     volume_error_[b] = std::max(volume_error_[b], std::abs(body["volume_error"]));
   }
+  if (pair()) judge_.update(sample);
+}
+
+Recorder::Finding Recorder::found() const {
   if (!pair()) return Finding::go_on;
-  judge_.update(sample);
   if (judge_.parted()) return Finding::too_far;
   return judge_.verdict().decided() && given_.scenario.run.until_decided ? Finding::decided
                                                                          : Finding::go_on;
@@ -78,12 +299,22 @@ void Recorder::write_frame(double time, const std::vector<suspension::SurfaceSta
   surfaces_->write(time, surfaces, fluid);
 }
 
+void Recorder::write_wreck(const suspension::Sample& sample,
+                           const std::vector<suspension::SurfaceState>& surfaces,
+                           const suspension::FluidState& fluid) {
+  if (samples_.empty() || sample.time > samples_.back().time) trajectory_->write(sample);
+  if (!surfaces_) make_surfaces({});
+  if (surfaces_->frames().empty() || sample.time > surfaces_->frames().back().time)
+    surfaces_->write(sample.time, surfaces, &fluid);
+}
+
 bool Recorder::take_gaps(double time, const std::vector<suspension::Gap>& gaps) {
   return contacts_.update(time, gaps);
 }
 
 void Recorder::warn(const std::string& warning) {
-  fmt::print(stderr, "warning: {}\n", warning);
+  if (std::ranges::find(warnings_, warning) != warnings_.end()) return;
+  say(stderr, "warning: {}\n", warning);
   warnings_.push_back(warning);
 }
 

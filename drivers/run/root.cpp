@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "ductile/fluid/mpi.hpp"
+#include "output/say.hpp"
 
 namespace ductile::drivers {
 
@@ -23,7 +24,7 @@ int on_root(MPI_Comm comm, int failed, const std::function<int()>& work) {
     try {
       result = work();
     } catch (const std::exception& error) {
-      fmt::print(stderr, "ductile: {}\n", error.what());
+      say(stderr, "ductile: {}\n", error.what());
     }
   }
   mpi_check(MPI_Bcast(&result, 1, MPI_INT, 0, comm), "MPI_Bcast");

@@ -4,32 +4,49 @@ namespace ductile::drivers {
 namespace {
 
 volatile std::sig_atomic_t stop_requested = 0;
-int depth = 0;  // of StopSignals inside each other
+volatile std::sig_atomic_t checkpoint_requested = 0;
+int depth = 0;  // of Signals inside each other
 
-extern "C" void request_stop(int signal) {
-  stop_requested = 1;
-  std::signal(signal, SIG_DFL);
+extern "C" void note_signal(int signal) {
+  if (signal == SIGUSR1) {
+    checkpoint_requested = 1;
+    return;
+  }
+  stop_requested = signal;
+  if (signal != SIGUSR2) std::signal(signal, SIG_DFL);
 }
 
 }  // namespace
 
-StopSignals::StopSignals() {
+Signals::Signals() {
   if (depth++ > 0) return;
-  stop_requested = 0;
   struct sigaction action {};
-  action.sa_handler = request_stop;
+  action.sa_handler = note_signal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (std::size_t n = 0; n < signals.size(); ++n) sigaction(signals[n], &action, &before_[n]);
 }
 
-StopSignals::~StopSignals() {
+Signals::~Signals() {
   if (--depth > 0) return;
+  stop_requested = 0;
+  checkpoint_requested = 0;
   for (std::size_t n = 0; n < signals.size(); ++n) sigaction(signals[n], &before_[n], nullptr);
 }
 
-bool StopSignals::received() const {
-  return stop_requested != 0;
+int Signals::stop() const {
+  return stop_requested;
+}
+
+bool Signals::take_checkpoint() {
+  const bool requested = checkpoint_requested != 0;
+  checkpoint_requested = 0;
+  return requested;
+}
+
+void prepare_signals() {
+  for (const int signal : {SIGUSR1, SIGUSR2}) std::signal(signal, note_signal);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }
 
 }  // namespace ductile::drivers

@@ -1,4 +1,4 @@
-// Signals that ask a run to end.
+// Signals to a run.
 #pragma once
 
 #include <array>
@@ -6,22 +6,32 @@
 
 namespace ductile::drivers {
 
-/// While it lives, the first SIGTERM, SIGINT or SIGUSR1 is noted instead of obeyed; a second one
-/// ends the program at once. The handlers that were there before come back at the end. One may live
-/// inside another, as a run does in a comparison: the outer one's note is then the inner one's too.
-class StopSignals {
+/// While it lives, signals are noted instead of obeyed:
+///   SIGTERM, SIGINT, SIGUSR2   the run is to end; a second SIGTERM or SIGINT ends the program at
+///   once SIGUSR1                    the run is to write a checkpoint and go on
+/// mpirun hands on SIGUSR1 and SIGUSR2 as they are; a SIGTERM or SIGINT that it gets itself becomes
+/// a SIGTERM, and a second later the end. The handlers that were there before come back at the end.
+/// One may live inside another, as a run does in a comparison: the outer one's notes are then the
+/// inner one's too.
+class Signals {
  public:
-  StopSignals();
-  ~StopSignals();
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
+  Signals();
+  ~Signals();
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
 
-  /// Whether one has come to this rank.
-  [[nodiscard]] bool received() const;
+  /// The signal that has asked this rank to end, or 0.
+  [[nodiscard]] int stop() const;
+  /// Whether this rank has been asked for a checkpoint since the last call.
+  bool take_checkpoint();
 
  private:
-  static constexpr std::array<int, 3> signals = {SIGTERM, SIGINT, SIGUSR1};
+  static constexpr std::array<int, 4> signals = {SIGTERM, SIGINT, SIGUSR1, SIGUSR2};
   std::array<struct sigaction, signals.size()> before_{};
 };
+
+/// For the very start of the program: SIGUSR1 and SIGUSR2 are noted for a run that is still to
+/// come, and writing into a closed pipe or too large a file is an error like others.
+void prepare_signals();
 
 }  // namespace ductile::drivers

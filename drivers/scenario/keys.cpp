@@ -367,6 +367,10 @@ const std::vector<Key<RunLimits>>& run_keys() {
       flag("stop_at_contact", &R::stop_at_contact,
            "Stop when the surfaces of two bodies cross, which no force of the method prevents; "
            "false: say so and go on"),
+      number(
+          "checkpoint_every", &R::checkpoint_every, between(0, 1e4), "minutes",
+          "Interval of the clock on the wall between checkpoints, of which the last two are kept; "
+          "0: only at the end and on SIGUSR1"),
   };
   return keys;
 }

@@ -88,12 +88,13 @@ struct BodyOptions {
   bool operator==(const BodyOptions&) const = default;
 };
 
-/// [run]
+/// [run]: all that may be another when a run goes on.
 struct RunLimits {
   double time_limit = 60;
   double stop_distance = 10;
   bool until_decided = true;
   bool stop_at_contact = true;
+  double checkpoint_every = 10;  ///< minutes; 0: none before the end
   bool operator==(const RunLimits&) const = default;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 
@@ -93,6 +94,43 @@ std::string duration_text(double seconds) {
   if (total < hour) return fmt::format("{} min {:02} s", total / minute, total % minute);
   if (total < 2 * day) return fmt::format("{} h {:02} min", total / hour, total % hour / minute);
   return fmt::format("{:.1f} days", seconds / day);
+}
+
+std::optional<double> parsed_duration(std::string_view text) {
+  // A number from the front, and what comes after it.
+  const auto number = [&text]() -> std::optional<double> {
+    double value = 0;
+    const auto [end, error] =
+        std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+    if (error != std::errc() || value < 0 || text.starts_with('-')) return std::nullopt;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return value;
+  };
+  const auto first = number();
+  if (!first || text.empty()) return std::nullopt;
+  constexpr double day = 86400;
+  for (const auto& [unit, seconds] :
+       {std::pair("s", 1.0), std::pair("m", 60.0), std::pair("h", 3600.0), std::pair("d", day)}) {
+    if (text == unit) return *first * seconds;
+  }
+  double days = 0;
+  double total = *first;
+  int parts = 1;
+  if (text.starts_with('-')) {
+    days = *first;
+    text.remove_prefix(1);
+    const auto hours = number();
+    if (!hours) return std::nullopt;
+    total = *hours;
+  }
+  for (; text.starts_with(':'); ++parts) {
+    text.remove_prefix(1);
+    const auto next = number();
+    if (!next || *next >= 60) return std::nullopt;
+    total = 60 * total + *next;
+  }
+  const bool whole = text.empty() && (days > 0 ? parts == 3 : parts == 2 || parts == 3);
+  return whole ? std::optional(days * day + total) : std::nullopt;
 }
 
 }  // namespace ductile::drivers

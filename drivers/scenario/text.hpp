@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,5 +28,8 @@ std::string joined(const std::vector<std::string_view>& names);
 
 /// "8 s", "3 min 20 s", "2 h 05 min", "3.1 days".
 std::string duration_text(double seconds);
+/// Seconds of "90s", "30m", "11.5h", "2d", "MM:SS", "HH:MM:SS" or "D-HH:MM:SS"; nothing of anything
+/// else.
+std::optional<double> parsed_duration(std::string_view text);
 
 }  // namespace ductile::drivers

@@ -188,7 +188,8 @@ first, second = c['runs']
 assert first['integrator'] == first['directory'] == 'first'
 assert (first['status'], second['status']) == ('decided', 'blew up')
 assert 'blow_up' not in first
-assert second['blow_up'] == {'step': 500, 'body': 'lag', 'vertex': 7, 'reason': 'it was too stiff'}
+assert second['blow_up'] == {'step': 500, 'body': 'lag', 'vertex': 7, 'place_W': None,
+                             'reason': 'it was too stiff', 'likely_cause': ''}
 assert (first['verdict'], first['steps'], second['time_W2_over_nu']) == ('stable', 1000, 1)
 assert set(first['difference'].values()) == {0, 2}, first['difference']
 assert math.isclose(second['difference']['x_W'], 0.01) and second['difference']['dz_W'] == 0

@@ -101,7 +101,7 @@ using TrajectoryFile = Output;
 
 TEST_F(TrajectoryFile, ReadsBackBitForBit) {
   const fs::path file = directory_ / "trajectory.csv";
-  Trajectory trajectory(file, {"lead", "lag"});
+  Trajectory trajectory(file, {"lead", "lag"}, {false, true});
   std::vector<Sample> samples;
   for (int i = 0; i < 20; ++i) {
     samples.push_back(awkward_sample(i / 7.0));
@@ -136,8 +136,62 @@ TEST_F(TrajectoryFile, ReadsBackBitForBit) {
   }
 }
 
+// A run that goes on has its rows again, to the last bit, and the same file as one that did not
+// stop.
+TEST_F(TrajectoryFile, GoesOnAfterWhatIsVouchedFor) {
+  const fs::path file = directory_ / "t.csv";
+  Trajectory::Extent kept;
+  std::vector<Sample> first;
+  {
+    Trajectory trajectory(file, {"lead", "lag"}, {false, true});
+    for (int i = 0; i < 6; ++i) {
+      if (i == 4) kept = trajectory.extent();
+      Sample sample = awkward_sample(i / 7.0);
+      sample.bodies[0]["deformation"] = sample.bodies[0]["volume_error"] = 0;  // a rigid body's
+      sample.bodies[0]["strain_energy"] = 0;
+      if (i == 2) sample.bodies[1]["slip"] = -0.0;
+      trajectory.write(sample);
+      if (i < 4) first.push_back(sample);
+    }
+  }
+  const std::string straight = read(file);
+  std::ofstream(file, std::ios::app) << "0.9,half of a ro";
+  std::vector<Sample> samples;
+  {
+    Trajectory trajectory(file, {"lead", "lag"}, {false, true}, kept, samples);
+    ASSERT_EQ(samples.size(), first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(samples[i].time, first[i].time);
+      for (std::size_t b = 0; b < 2; ++b) {
+        EXPECT_EQ(samples[i].bodies[b].capsule, first[i].bodies[b].capsule);
+        EXPECT_EQ(samples[i].bodies[b].values, first[i].bodies[b].values) << i << " " << b;
+      }
+    }
+    EXPECT_TRUE(std::signbit(samples[2].bodies[1]["slip"]));
+    for (int i = 4; i < 6; ++i) trajectory.write(awkward_sample(i / 7.0));
+    EXPECT_EQ(trajectory.extent().bytes, straight.size());
+  }
+  EXPECT_EQ(read(file), straight);
+  // Not what it was: left alone.
+  const auto refusal = [&] {
+    try {
+      const Trajectory other(file, {"lead", "lag"}, {false, true}, kept, samples);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  std::string changed = straight;
+  changed[kept.bytes - 2] ^= 1;
+  write("t.csv", changed);
+  EXPECT_NE(refusal().find("t.csv has changed since the checkpoint"), std::string::npos);
+  EXPECT_EQ(read(file), changed);
+  write("t.csv", straight.substr(0, kept.bytes - 1));
+  EXPECT_NE(refusal().find("bytes that the checkpoint has seen"), std::string::npos);
+}
+
 TEST_F(TrajectoryFile, HasNoDistanceUnlessOfAPair) {
-  Trajectory trajectory(directory_ / "t.csv", {"a"});
+  Trajectory trajectory(directory_ / "t.csv", {"a"}, {false});
   Sample sample{0, std::vector<BodySample>(1)};
   trajectory.write(sample);
   EXPECT_EQ(read(directory_ / "t.csv").find("dz"), std::string::npos);
@@ -146,10 +200,10 @@ TEST_F(TrajectoryFile, HasNoDistanceUnlessOfAPair) {
 }
 
 TEST_F(TrajectoryFile, RefusesWhatItCannotWrite) {
-  EXPECT_THROW(Trajectory(directory_ / "missing" / "t.csv", {"a"}), OutputError);
-  EXPECT_THROW(Trajectory(directory_ / "t.csv", {"a,b"}), std::invalid_argument);
-  Trajectory full("/dev/full", {"a"});
-  EXPECT_THROW(full.write({0, std::vector<BodySample>(1)}), OutputError);
+  EXPECT_THROW(Trajectory(directory_ / "missing" / "t.csv", {"a"}, {false}), OutputError);
+  EXPECT_THROW(Trajectory(directory_ / "t.csv", {"a,b"}, {false}), std::invalid_argument);
+  Trajectory trajectory(directory_ / "t.csv", {"a"}, {false});
+  EXPECT_THROW(trajectory.write({0, {BodySample{true}}}), std::invalid_argument);
 }
 
 /// An HDF5 file opened for reading through the library's own interface.
@@ -422,8 +476,8 @@ topology = domain.find(".//Topology[@TopologyType='3DCoRectMesh']")
 geometry = domain.find(".//Geometry[@GeometryType='ORIGIN_DXDYDZ']")
 print('lattice', topology.get('Dimensions'), '|', *(item.text for item in geometry))
 )");
-  const Hdf5 file(directory_ / "run.h5");
   std::vector<std::string> others;
+  std::set<std::string> files;  // relative to run.xdmf
   int datasets = 0;
   for (const std::string& line : split(printed, '\n')) {
     const auto words = split(line, ' ');
@@ -432,8 +486,11 @@ print('lattice', topology.get('Dimensions'), '|', *(item.text for item in geomet
       continue;
     }
     ++datasets;
-    ASSERT_TRUE(words[1].starts_with("run.h5:/")) << words[1];  // relative
-    const std::string path = words[1].substr(words[1].find(':') + 1);
+    const auto reference = split(words[1], ':');
+    ASSERT_EQ(reference.size(), 2U) << words[1];
+    const std::string& path = reference[1];
+    files.insert(reference[0]);
+    const Hdf5 file(directory_ / reference[0]);
     ASSERT_TRUE(file.has(path)) << path;
     std::vector<hsize_t> claimed;
     for (std::size_t i = 3; i < words.size(); ++i) claimed.push_back(std::stoull(words[i]));
@@ -444,6 +501,8 @@ print('lattice', topology.get('Dimensions'), '|', *(item.text for item in geomet
                         : path.find("fluid") != std::string::npos ? "Float4"
                                                                   : "Float8");
   }
+  EXPECT_EQ(files, (std::set<std::string>{"frames/000000.h5", "frames/000001.h5",
+                                          "frames/000002.h5", "run.h5"}));
   // Of 3 frames: the channel's corners and edges; 2 bodies with triangles and positions, velocity
   // of one, force of the other; of 2 frames density and velocity of the fluid.
   EXPECT_EQ(datasets, 3 * 2 + 3 * 6 + 2 * 2);
@@ -459,17 +518,58 @@ TEST_F(SurfaceFiles, StayReadableWhenAFrameFails) {
   Surfaces surfaces(directory_, meshes(), long_channel(), lattice());
   write_frames(surfaces);
   const std::string before = read(directory_ / "run.xdmf");
-  fs::rename(directory_ / "run.h5", directory_ / "away.h5");
+  const std::string overview = read(directory_ / "run.h5");
+  fs::create_directory(directory_ / "frames/000003.h5.part");  // in the way
   const auto lead = row(4, 0);
   const auto lag = row(3, 0);
   const std::vector<SurfaceState> state = {{lead, {}, {}}, {lag, {}, {}}};
   try {
     surfaces.write(9, state);
-    FAIL() << "wrote into a file that is not there";
+    FAIL() << "wrote through a directory";
   } catch (const OutputError& error) {
-    EXPECT_NE(std::string(error.what()).find("run.h5"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("frames/000003.h5"), std::string::npos);
   }
   EXPECT_EQ(read(directory_ / "run.xdmf"), before);
+  EXPECT_EQ(read(directory_ / "run.h5"), overview);
+  const Hdf5 file(directory_ / "run.h5");
+  EXPECT_TRUE(file.has("/frames/000002/lead/position"));
+  EXPECT_FALSE(file.has("/frames/000003"));
+  // Once it can be written, it is the next one.
+  fs::remove(directory_ / "frames/000003.h5.part");
+  surfaces.write(9, state);
+  EXPECT_TRUE(Hdf5(directory_ / "run.h5").has("/frames/000003/lead/position"));
+}
+
+// What the run goes on after stays as it is, and what came later goes.
+TEST_F(SurfaceFiles, GoOnAfterTheFramesThatAreKnown) {
+  std::vector<Frame> first;
+  const auto lead = row(4, 0);
+  const auto lag = row(3, 0);
+  const std::vector<SurfaceState> state = {{lead, lead, {}}, {lag, {}, lag}};
+  const auto content = [this] {
+    std::vector<std::string> all = {read(directory_ / "run.h5"), read(directory_ / "run.xdmf")};
+    for (const char* frame : {"0", "1", "2"})
+      all.push_back(read(directory_ / "frames" / ("00000" + std::string(frame) + ".h5")));
+    return all;
+  };
+  {
+    Surfaces surfaces(directory_, meshes(), long_channel());
+    surfaces.write(0, state);
+    surfaces.write(1, state);
+    first = surfaces.frames();
+    surfaces.write(2, state);
+  }
+  const auto straight = content();
+  write("frames/000007.h5.part", "half of a frame");
+  Surfaces surfaces(directory_, meshes(), long_channel(), std::nullopt, first);
+  EXPECT_FALSE(fs::exists(directory_ / "frames/000002.h5"));
+  EXPECT_FALSE(fs::exists(directory_ / "frames/000007.h5.part"));
+  EXPECT_THROW(surfaces.write(1, state), std::invalid_argument);
+  surfaces.write(2, state);
+  EXPECT_EQ(content(), straight);
+  fs::remove(directory_ / "frames/000001.h5");
+  EXPECT_THROW(Surfaces(directory_, meshes(), long_channel(), std::nullopt, first),
+               std::runtime_error);
 }
 
 TEST_F(SurfaceFiles, RefuseWhatDoesNotFit) {
@@ -519,17 +619,38 @@ TEST_F(Directory, IsRefusedIfNotEmpty) {
 }
 
 TEST_F(Directory, LosesOnlyItsOwnResultsToForce) {
-  for (const char* name : {"scenario.toml", "trajectory.csv", "run.h5", "run.xdmf", "summary.json",
-                           "trajectory.png", "run.xdmf.part", "notes.txt", "my-trajectory.csv"}) {
+  for (const char* name :
+       {"scenario.toml", "trajectory.csv", "run.h5", "run.xdmf", "summary.json", "trajectory.png",
+        "run.xdmf.part", "notes.txt", "my-trajectory.csv", "checkpoint.h5", "checkpoint-before.h5",
+        "checkpoint.h5.part", "log.txt"}) {
     write(name, "old");
   }
+  fs::create_directory(directory_ / "frames");
+  write("frames/000000.h5", "old");
   const RunDirectory run(directory_, true);
   std::vector<std::string> left;
   for (const auto& entry : fs::directory_iterator(directory_)) {
     left.push_back(entry.path().filename());
   }
   std::ranges::sort(left);
-  EXPECT_EQ(left, (std::vector<std::string>{"my-trajectory.csv", "notes.txt"}));
+  EXPECT_EQ(left, (std::vector<std::string>{"lock", "my-trajectory.csv", "notes.txt"}));
+}
+
+// Within one process too; in others tests/drivers/world.py tries it.
+TEST_F(Directory, IsOneRunsAtATime) {
+  {
+    const RunDirectory run(directory_, false);
+    try {
+      const RunDirectory other(directory_, true);
+      FAIL() << "two runs in one directory";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("another run is writing there (process "),
+                std::string::npos)
+          << error.what();
+    }
+    EXPECT_THROW(RunDirectory other(directory_), InputError);
+  }
+  EXPECT_NO_THROW(RunDirectory(directory_, true));
 }
 
 TEST_F(Directory, ReplacesFilesWholeOrNotAtAll) {
@@ -549,7 +670,8 @@ class SummaryFile : public Output {
     Summary s;
     s.scenario = "M2 \"x_lag = 0\" \\ tab\t line\n \u00b5";
     s.status = RunStatus::blew_up;
-    s.blow_up = BlowUp{123456789012, "lag", 17, "speed 0.7 exceeds 0.3"};
+    s.blow_up = BlowUp{
+        123456789012, "lag", 17, "speed 0.7 exceeds 0.3", Eigen::Vector3d(0.5, -0.25, 1), "a wall"};
     s.time = 0.1 + 0.2;
     s.steps = 400;
     s.verdict = Verdict{PairClass::damped, 47, "dz rests at 1.2"};
@@ -586,7 +708,8 @@ lead, lag = s['bodies']
 assert s['scenario'] == 'M2 "x_lag = 0" \\ tab\t line\n \u00b5', s['scenario']
 assert s['status'] == 'blew up'
 assert s['blow_up'] == {'step': 123456789012, 'body': 'lag', 'vertex': 17,
-                        'reason': 'speed 0.7 exceeds 0.3'}
+                        'place_W': [0.5, -0.25, 1], 'reason': 'speed 0.7 exceeds 0.3',
+                        'likely_cause': 'a wall'}
 assert s['time_W2_over_nu'] == 0.1 + 0.2 and s['steps'] == 400
 assert (s['verdict'], s['verdict_time'], s['verdict_reason']) == ('damped', 47, 'dz rests at 1.2')
 assert s['dz_W'] == math.sqrt(2)
@@ -668,6 +791,16 @@ TEST_F(ProgressLine, IsRewrittenInPlaceOnATerminal) {
   EXPECT_EQ(std::ranges::count(text, '\r'), 16);  // four a second
 }
 
+TEST(Duration, IsReadInEveryForm) {
+  const std::vector<std::pair<const char*, double>> known = {
+      {"90s", 90},    {"1.5m", 90},  {"30m", 1800},       {"11.5h", 41400},
+      {"2d", 172800}, {"01:30", 90}, {"11:30:00", 41400}, {"1-00:00:30", 86430}};
+  for (const auto& [text, seconds] : known) EXPECT_EQ(parsed_duration(text), seconds) << text;
+  for (const char* text : {"", "90", "s", "-1s", "1 h", "1:60", "1:2:3:4", "1-2", "1-2:3", "1h30m",
+                           "nan", "inf", "1e3s", "1::2", "1:"})
+    EXPECT_FALSE(parsed_duration(text)) << text;
+}
+
 TEST(Duration, ReadsWell) {
   EXPECT_EQ(duration_text(7.6), "8 s");
   EXPECT_EQ(duration_text(59.6), "1 min 00 s");
@@ -681,7 +814,8 @@ class Plot : public Output {
   void write_trajectory(std::size_t bodies, bool capsules) const {
     std::vector<std::string> names;
     for (std::size_t b = 0; b < bodies; ++b) names.push_back("body" + std::to_string(b));
-    Trajectory trajectory(directory_ / "trajectory.csv", names);
+    Trajectory trajectory(directory_ / "trajectory.csv", names,
+                          std::vector<bool>(bodies, capsules));
     for (int i = 0; i <= 20; ++i) {
       Sample sample{0.5 * i, std::vector<BodySample>(bodies)};
       for (std::size_t b = 0; b < bodies; ++b) {

@@ -82,12 +82,13 @@ TEST_F(Run, GivesBackThePetscOptionsThatWereThere) {
   ASSERT_EQ(PetscOptionsClearValue(nullptr, "-membrane_ksp_rtol"), 0);
 }
 
-// As in a comparison: a signal that comes between two runs ends the next one at its first row.
+// As in a comparison: a signal that comes between two runs ends the next one before its first step.
 TEST_F(Run, EndsAtASignalThatCameBeforeIt) {
-  const StopSignals signals;
-  std::raise(SIGUSR1);
+  const Signals signals;
+  std::raise(SIGTERM);
   const RunResult result = run(parse_case(small_case, "small.toml"));
   EXPECT_TRUE(result.interrupted);
+  EXPECT_EQ(result.exit_code, exit_interrupted);
   ASSERT_TRUE(result.summary);
   EXPECT_EQ(result.summary->steps, 0);
 }
@@ -192,8 +193,9 @@ body = [{name = "stone", kind = "rigid", density_ratio = 2, x = 0.2}]
 }
 
 TEST_F(Run, ThatHasNoBodyHasOneHeaderAndRows) {
-  const RunResult result = run(
-      parse_case("channel.nodes = 8\nchannel.length = 2\nchannel.reynolds = 1\nrun.time_limit = 0.2\n", "empty.toml"));
+  const RunResult result = run(parse_case(
+      "channel.nodes = 8\nchannel.length = 2\nchannel.reynolds = 1\nrun.time_limit = 0.2\n",
+      "empty.toml"));
   EXPECT_EQ(result.exit_code, exit_success);
   std::ifstream file(directory_ / "trajectory.csv");
   std::string line;
