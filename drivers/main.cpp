@@ -20,6 +20,7 @@
 
 int main(int argc, char** argv) {
   using namespace ductile::drivers;
+  open_missing_streams();
   prepare_signals();
   start_clock();
   // PETSc gets none of the user's arguments, reads no file, and leaves signals alone.
@@ -51,14 +52,16 @@ int main(int argc, char** argv) {
     say(stderr, "ductile: {}\n", error.what());
     MPI_Abort(PETSC_COMM_WORLD, exit_failure);
   }
+  // PETSc ends without a word if stdout takes nothing any more.
+  if (rank == 0 && stdout_lost()) {
+    say(stderr, "ductile: not all that was to be said on stdout could be written there\n");
+    if (exit_code == exit_success) exit_code = exit_failure;
+    static_cast<void>(std::freopen("/dev/null", "w", stdout));
+  }
   if (PetscFinalize() != 0) return exit_failure;
   // Starting a process is safe only now that MPI is down.
   for (const auto& directory : pictures.trajectories) plot_trajectory(directory);
   for (const auto& directory : pictures.comparisons) plot_comparison(directory);
-  if (rank == 0 && stdout_lost()) {
-    std::fprintf(stderr, "ductile: not all that was to be said on stdout could be written there\n");
-    if (exit_code == exit_success) exit_code = exit_failure;
-  }
   // mpirun ends the job at the first rank that does not return 0, and rank 0 may still be drawing.
   return rank == 0 ? exit_code : exit_success;
 }

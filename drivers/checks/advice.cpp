@@ -1,7 +1,6 @@
 #include "checks/advice.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "analysis/contacts.hpp"
 #include "checks/geometry.hpp"
+#include "checks/memory.hpp"
 #include "checks/speed.hpp"
 #include "scenario/defaults.hpp"
 
@@ -174,12 +174,7 @@ std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
         "does it",
         some_of(unpredicted)));
   }
-  const double installed =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
-  if (population_bytes(plan) > installed) {
-    list.push_back(fmt::format("the fluid needs {} of memory, this machine has {}",
-                               size_text(population_bytes(plan)), size_text(installed)));
-  }
+  if (const std::string lack = memory_lacks(given, 1); !lack.empty()) list.push_back(lack);
   return list;
 }
 

@@ -10,6 +10,7 @@
 #include "analysis/stability.hpp"
 #include "checks/advice.hpp"
 #include "checks/geometry.hpp"
+#include "checks/memory.hpp"
 #include "scenario/text.hpp"
 
 namespace ductile::drivers {
@@ -148,7 +149,8 @@ void add_gaps(Lines& lines, const suspension::Plan& plan) {
 }
 
 void add_cost(Lines& lines, const Case& given, int cores, const std::optional<KnownSpeed>& known) {
-  lines.add("memory", size_text(population_bytes(given.plan)) + " of populations");
+  lines.add("memory", fmt::format("{}, {} of it populations", size_text(memory_needed(given)),
+                                  size_text(population_bytes(given.plan))));
   const KnownSpeed speed = known ? *known : guessed_speed(cores);
   const int most = std::clamp(std::min(cores, speed.ranks), 1, given.plan.fluid.nodes[2]);
   const auto duration = [&](int ranks) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <set>
 
+#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "commands/input.hpp"
 #include "ductile/membrane/integrator.hpp"
@@ -184,9 +185,11 @@ CompareCommand::Request CompareCommand::prepare() const {
 
 int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
   Variants variants;
+  const double share = share_of_machine(comm);
   const int code = with_input(comm, [&] {
     const Request request = prepare();
     for (const auto& [name, given] : request.cases) {
+      require_memory(given, share);
       variants.read_options.merge(try_petsc_options(given));
       variants.scenarios.push_back(resolved_toml(given.scenario));
     }

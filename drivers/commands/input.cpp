@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "checks/advice.hpp"
+#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "output/say.hpp"
@@ -54,6 +55,11 @@ int with_input(MPI_Comm comm, const std::function<void()>& work) {
 Case shared_case(std::string& scenario, MPI_Comm comm) {
   broadcast(scenario, comm);
   return parse_case(scenario, "scenario.toml");
+}
+
+void require_memory(const Case& given, double share) {
+  if (const std::string lack = memory_lacks(given, share); !lack.empty())
+    throw InputError("ductile: " + lack);
 }
 
 bool enough_planes(const Case& given, MPI_Comm comm) {

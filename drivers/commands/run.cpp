@@ -5,9 +5,11 @@
 #include <set>
 #include <string>
 
+#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "commands/input.hpp"
 #include "output/outcome.hpp"
+#include "output/plot.hpp"
 #include "run/petsc_options.hpp"
 #include "run/run.hpp"
 #include "scenario/errors.hpp"
@@ -50,9 +52,11 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
   std::filesystem::path directory;     // rank 0's
   std::set<std::string> read_options;  // rank 0's
   std::vector<std::string> warnings;   // rank 0's
+  const double share = share_of_machine(comm);
   const int code = with_input(comm, [&] {
     static_cast<void>(max_walltime());  // refused here if at all
     const Request request = prepare();
+    require_memory(request.given, share);
     read_options = try_petsc_options(request.given);
     warnings = advise({{"", request.given}}).front();
     directory = request.directory;
@@ -67,8 +71,12 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
       comm);
   if (result.summary) {
     print_outcome(*result.summary, directory);
-    // Without bodies there is nothing to draw.
-    if (!given.plan.bodies.empty()) pictures.trajectories.push_back(directory);
+    // Without bodies there is nothing to draw. Who sent a signal may send a last one soon.
+    if (result.interrupted && !given.plan.bodies.empty()) {
+      plot_trajectory(directory);
+    } else if (!given.plan.bodies.empty()) {
+      pictures.trajectories.push_back(directory);
+    }
   }
   return result.exit_code;
 }

@@ -50,7 +50,7 @@ bool fits_float(std::span<const double> numbers) {
 }
 
 std::string slashes(std::string_view name) {
-  return "/" + std::string(name);
+  return fmt::format("/{}", name);
 }
 
 }  // namespace

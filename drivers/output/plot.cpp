@@ -90,9 +90,15 @@ bool draw(const char* script_name, std::string_view picture, const fs::path& dir
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, messages[1], STDERR_FILENO);
+  // In a session of its own, so that what kills a job a second after it was told to end lets the
+  // picture be drawn.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
   pid_t child = 0;
   const int error =
-      posix_spawn(&child, interpreter, &actions, nullptr, arguments.data(), environment.data());
+      posix_spawn(&child, interpreter, &actions, &attributes, arguments.data(), environment.data());
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   close(messages[1]);
   const std::string said = error == 0 ? read_all(messages[0]) : std::string();

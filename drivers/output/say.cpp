@@ -1,6 +1,8 @@
 #include "output/say.hpp"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
+#include <unistd.h>
 
 #include <ctime>
 #include <optional>
@@ -55,6 +57,14 @@ void say(std::FILE* stream, std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
   if (!written && stream == stdout) state().lost = true;
   note_in_log(text);
+}
+
+void open_missing_streams() {
+  for (int descriptor = 0; descriptor <= STDERR_FILENO; ++descriptor) {
+    if (fcntl(descriptor, F_GETFD) >= 0) continue;
+    // The least that is free is this one. A full device refuses what is written to it.
+    if (open(descriptor == STDOUT_FILENO ? "/dev/full" : "/dev/null", O_RDWR) != descriptor) return;
+  }
 }
 
 bool stdout_lost() {

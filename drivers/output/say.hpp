@@ -25,6 +25,10 @@ void say(std::FILE* stream, fmt::format_string<T...> format, T&&... values) {
 /// Keeps the text for the log alone.
 void note_in_log(std::string_view text);
 
+/// For the very start: a stream that the program has been started without is opened, so that no
+/// file of a run takes its place. What is said on stdout is then lost, see stdout_lost().
+void open_missing_streams();
+
 /// Whether something said on stdout did not get there. Flushes it.
 bool stdout_lost();
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <petscsys.h>
+#include <petscviewer.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -123,6 +124,11 @@ std::set<std::string> try_petsc_options(const Case& given) {
   if (given.scenario.petsc.empty()) return read;
   try {
     const PetscOptions options(given.scenario.petsc);
+    // Where the log is to go is otherwise looked at when the run is over.
+    PetscViewer viewer = nullptr;
+    membrane::petsc_check(PetscOptionsGetViewer(PETSC_COMM_SELF, nullptr, nullptr, "-log_view",
+                                                &viewer, nullptr, nullptr));
+    membrane::petsc_check(PetscViewerDestroy(&viewer));
     std::set<std::string_view> tried;
     for (const suspension::BodyPlan& body : given.plan.bodies) {
       const suspension::CapsulePlan* capsule = body.capsule();

@@ -24,6 +24,7 @@
 #include "run/progress.hpp"
 #include "run/recorder.hpp"
 #include "run/root.hpp"
+#include "run/watchdog.hpp"
 #include "scenario/errors.hpp"
 
 namespace ductile::drivers {
@@ -133,6 +134,7 @@ class Run {
   std::optional<Recorder> recorder_;
   std::optional<Progress> progress_;
   std::optional<Poll> poll_;
+  std::optional<Watchdog> watchdog_;
   Course course_;      // its legs are rank 0's
   bool last_ = false;  // the run is over: what is to be seen at its end is written now
   int signal_ = 0;     // that has ended the run
@@ -337,6 +339,7 @@ std::optional<RunStatus> Run::loop() {
   if (signal == go_on) signal = poll();
   while (signal == go_on && suspension_.steps() < given_.schedule.end) {
     suspension_.step();
+    watchdog_->tick();
     if (suspension_.steps() == first_step_ + 1) report_unread_options();
     if (suspension_.steps() % finite_interval == 0) check_fluid();
     signal = look();
@@ -378,6 +381,16 @@ RunResult Run::run() {
   constexpr double minute = 60;
   poll_.emplace(suspension_.comm(), Progress::steady_seconds, program_start(),
                 options_.max_walltime, minute * given_.scenario.run.checkpoint_every);
+  // Not by MPI, which may be what hangs; mpirun ends the others.
+  watchdog_.emplace(minute * given_.scenario.run.patience, [this] {
+    say(stderr,
+        "ductile: rank {} has waited for another one since step {}, for the {:g} minutes of "
+        "run.patience: it has died, is stopped, or waits for a disk; `ductile resume {}` goes on "
+        "from the last checkpoint\n",
+        suspension_.rank(), suspension_.steps(), given_.scenario.run.patience,
+        options_.directory.string());
+    std::_Exit(exit_failure);
+  });
   try {
     const std::optional<RunStatus> status = loop();
     return status ? finish(*status, std::nullopt) : not_done(exit_failure);

@@ -95,6 +95,7 @@ struct RunLimits {
   bool until_decided = true;
   bool stop_at_contact = true;
   double checkpoint_every = 10;  ///< minutes; 0: none before the end
+  double patience = 10;          ///< minutes; 0: endless
   bool operator==(const RunLimits&) const = default;
 };
 

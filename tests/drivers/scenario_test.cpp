@@ -264,7 +264,7 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"tau = 0.8\n", "case.toml:1:1: tau: unknown key; it belongs in [fluid]"},
       {"[run]\nxyzzy = 1\n",
        "case.toml:2:1: run.xyzzy: unknown key; the keys are time_limit, stop_distance, "
-       "until_decided, stop_at_contact, checkpoint_every"},
+       "until_decided, stop_at_contact, checkpoint_every, patience"},
       {"[chanel]\nnodes = 36\n", "case.toml:1:2: chanel: unknown table; did you mean \"channel\"?"},
       {"[quantum]\n",
        "case.toml:1:2: quantum: unknown table; the tables are body, channel, fluid, membrane, "

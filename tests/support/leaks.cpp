@@ -19,6 +19,10 @@ const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identif
          "leak:__vasprintf_internal\n";  // in Open MPI's asprintf; nothing of ours calls it
 }
 
+const char* __lsan_default_options() {  // NOLINT(bugprone-reserved-identifier)
+  return "print_suppressions=0";
+}
+
 int dlclose(void* /*library*/) {
   return 0;
 }

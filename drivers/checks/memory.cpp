@@ -1,0 +1,120 @@
+#include "checks/memory.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "checks/advice.hpp"
+#include "checks/speed.hpp"
+#include "ductile/fluid/mpi.hpp"
+#include "ductile/surface/mesh.hpp"
+
+namespace ductile::drivers {
+namespace {
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr double kilobyte = 1024;
+
+// Measured with heap profiles of runs; upper bounds rather than means.
+constexpr double halos = 1.1;         // slabs have planes of their neighbours
+constexpr double box_node = 48;       // force and velocity
+constexpr double rigid_vertex = 600;  // bytes
+constexpr double explicit_vertex = 2000;
+constexpr double implicit_vertex = 12000;  // its tangent has a row of some 40 blocks of 3 x 3
+constexpr double kept_node = 32;   // a checkpoint: a population as it comes, put in order, narrow
+constexpr double shown_node = 64;  // a frame: density and velocity as they come, and in order
+
+/// The number after `key` in a text of lines; nothing if there is none.
+double entry(const std::string& file, const std::string& key) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with(key)) continue;
+    double value = unlimited;
+    std::istringstream(line.substr(key.size())) >> value;
+    return value;
+  }
+  return unlimited;
+}
+
+double number_in(const std::string& file) {
+  double value = unlimited;
+  if (!(std::ifstream(file) >> value)) return unlimited;
+  return value;
+}
+
+/// Of control groups, version 2.
+double group_allows() {
+  std::ifstream in("/proc/self/cgroup");
+  double least = unlimited;
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("0::")) continue;
+    std::string group = "/sys/fs/cgroup" + line.substr(3);
+    while (group.size() >= std::string("/sys/fs/cgroup").size()) {
+      const double most = number_in(group + "/memory.max");
+      if (most < unlimited)
+        least = std::min(least, most - number_in(group + "/memory.current") +
+                                    entry(group + "/memory.stat", "inactive_file "));
+      group.resize(group.rfind('/'));
+    }
+  }
+  return least;
+}
+
+double address_space_allows() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
+  return static_cast<double>(limit.rlim_cur) - kilobyte * entry("/proc/self/status", "VmSize:");
+}
+
+double of_body(const suspension::BodyPlan& body) {
+  const auto vertices = static_cast<double>(surface::vertex_count(body.frequency));
+  const BoxSize box = box_around(body);
+  double each = rigid_vertex;
+  if (const suspension::CapsulePlan* capsule = body.capsule())
+    each = capsule->integrator.traits.weights.empty() ? implicit_vertex : explicit_vertex;
+  return vertices * each + box.rows * box.length * box_node;
+}
+
+}  // namespace
+
+double memory_needed(const Case& given) {
+  const suspension::Plan& plan = given.plan;
+  double bytes = halos * population_bytes(plan);
+  for (const suspension::BodyPlan& body : plan.bodies) bytes += of_body(body);
+  return bytes + static_cast<double>(plan.node_count()) *
+                     (given.schedule.fields > 0 ? shown_node : kept_node);
+}
+
+double memory_free() {
+  return std::max(0.0, std::min({kilobyte * entry("/proc/meminfo", "MemAvailable:"), group_allows(),
+                                 address_space_allows()}));
+}
+
+std::string memory_lacks(const Case& given, double share) {
+  const double needed = share * memory_needed(given);
+  const double free = memory_free();
+  if (needed <= free) return "";
+  return fmt::format(
+      "the run needs {} of memory{}, of which {} are free: take fewer nodes, fluid.storage = "
+      "\"single\", or more machines",
+      size_text(needed), share < 1 ? " on this machine" : "", size_text(free));
+}
+
+double share_of_machine(MPI_Comm comm) {
+  using fluid::mpi_check;
+  MPI_Comm here = MPI_COMM_NULL;
+  int ranks = 1;
+  int ranks_here = 1;
+  mpi_check(MPI_Comm_size(comm, &ranks), "MPI_Comm_size");
+  mpi_check(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here),
+            "MPI_Comm_split_type");
+  mpi_check(MPI_Comm_size(here, &ranks_here), "MPI_Comm_size");
+  mpi_check(MPI_Comm_free(&here), "MPI_Comm_free");
+  return static_cast<double>(ranks_here) / ranks;
+}
+
+}  // namespace ductile::drivers
