@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
-#   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `compare`, `bench` on all cores
+#   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `resume`, `compare`, `bench` on all cores
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
 #   ./ductile.sh build                     builds everything, runs nothing
@@ -11,7 +11,7 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=$top/build
 
 packages=(g++ cmake ninja-build pkg-config libpetsc-real-dev libopenmpi-dev openmpi-bin
-  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libgtest-dev
+  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libxxhash-dev libgtest-dev
   python3-numpy python3-h5py python3-matplotlib)
 
 say() { printf 'ductile.sh: %s\n' "$*" >&2; }
@@ -87,11 +87,26 @@ case ${1:-} in
   build)
     make_target all
     ;;
-  run | pair | compare | bench)
+  run | pair | resume | compare | bench)
     make_target ductile
     if [ "$ranks" -eq 1 ]; then exec "$build/drivers/ductile" "$@"; fi
     [ ! -t 2 ] || export DUCTILE_LIVE=1
-    exec mpirun --quiet --bind-to none --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@"
+    # mpirun kills a second after it was asked to end; SIGUSR2 it hands on. In a session of its own it
+    # does not hear what the terminal sends, and nothing has to read from there.
+    setsid mpirun --quiet --bind-to none --oversubscribe -n "$ranks" "$build/drivers/ductile" "$@" \
+      </dev/null &
+    job=$!
+    asked=USR2  # a second time it is to end at once
+    trap 'waits=1; kill -$asked "$job"; asked=TERM' TERM INT HUP
+    trap 'waits=1; kill -USR1 "$job"' USR1
+    trap 'waits=1; kill -USR2 "$job"' USR2
+    waits=1
+    while [ $waits -eq 1 ]; do  # a signal interrupts the wait, not the job
+      waits=0
+      code=0
+      wait "$job" || code=$?
+    done
+    exit "$code"
     ;;
   *)
     make_target ductile

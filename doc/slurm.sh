@@ -1,0 +1,33 @@
+#!/bin/bash
+# A scenario in as many jobs as it takes:
+#
+#   sbatch slurm.sh SCENARIO DIRECTORY
+#
+# Each job ends itself before the queue's limit, with a checkpoint, and starts the next one, which goes
+# on. Adapt the lines of #SBATCH, and `ductile`, the path of the program.
+#SBATCH --job-name=ductile
+#SBATCH --nodes=1
+#SBATCH --ntasks=2
+#SBATCH --time=04:00:00
+#SBATCH --signal=USR2@120
+#SBATCH --open-mode=append
+#SBATCH --output=%x.log
+scenario=$1
+directory=$2
+ductile=${DUCTILE:-ductile}
+# A few minutes less than --time.
+walltime=${DUCTILE_WALLTIME:-03:55:00}
+
+if [ -e "$directory/scenario.toml" ]; then
+  mpirun "$ductile" resume "$directory" --max-walltime "$walltime"
+else
+  mpirun "$ductile" run "$scenario" -o "$directory" --force --max-walltime "$walltime"
+fi
+code=$?
+
+# 5: a signal ended it, 6: its time was over; both go on. Anything else is the end, or needs somebody.
+# A job that has not begun to compute is not to start another for ever: what it has is in its log.
+case $code in
+  5 | 6) sbatch "$0" "$scenario" "$directory" ;;
+esac
+exit "$code"
