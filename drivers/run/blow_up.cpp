@@ -90,6 +90,12 @@ std::string likely_cause(const BlowUp& blow_up, const Case& given, const Contact
         "not resolve: more nodes allow a higher one",
         plan.fluid.tau);
   }
+  const auto body = std::ranges::find(plan.bodies, blow_up.body, &suspension::BodyPlan::name);
+  if (body != plan.bodies.end() && body->rigid() != nullptr) {
+    return "a force that moves it too fast for the time step: lower gravity, Re or fluid.tau, or "
+           "take "
+           "more nodes";
+  }
   if (!blow_up.body.empty()) {
     return "a body too stiff for its integrator: `ductile check --thorough` tells the margins of "
            "stability";

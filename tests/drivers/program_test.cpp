@@ -173,6 +173,101 @@ TEST_F(Program, BlowUpEndsWithThreeAndLeavesWhatWasComputed) {
   }
 }
 
+const std::string falling = R"(
+name = "falling"
+channel.nodes = 16
+channel.length = 4
+channel.reynolds = 0
+channel.gravity = [0, 0, 3e4]
+fluid.tau = 0.55
+run.checkpoint_every = 0.0001
+output.every = 0.01
+[[body]]
+name = "ball"
+kind = "rigid"
+density_ratio = 5
+)";
+
+// The last state is there to be looked at, and no run goes on from it: from the last good one it
+// blows up as it did.
+TEST_F(Program, BlowUpSaysWhereAndWhyAndSparesTheCheckpoint) {
+  std::ofstream(work() / "falling.toml") << falling;
+  const Outcome outcome = run("run falling.toml -o out");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
+  const std::size_t said = outcome.errors.find("body ball blew up at step ");
+  ASSERT_NE(said, std::string::npos) << outcome.errors;
+  const std::string line = outcome.errors.substr(said, outcome.errors.find('\n', said) - said);
+  for (const char* part : {" near (", ", vertex ", "lattice spacings in one step",
+                           "likely cause: a force that moves it too fast"})
+    EXPECT_NE(line.find(part), std::string::npos) << line;
+  const std::string rows = contents(work() / "out/trajectory.csv");
+  // The row of the last state is off the schedule.
+  const std::string last = rows.substr(rows.rfind('\n', rows.size() - 2) + 1);
+  const double time = std::stod(last);
+  EXPECT_GT(std::abs(time / 0.01 - std::round(time / 0.01)), 0.02) << last;
+  const std::string frames = contents(work() / "out/run.h5");
+  ASSERT_TRUE(fs::exists(work() / "out/frames/000001.h5"));
+  ASSERT_TRUE(fs::exists(work() / "out/checkpoint.h5"));
+
+  const Outcome again = run("resume out", "mpirun --quiet --bind-to none --oversubscribe -n 2 ");
+  EXPECT_EQ(again.exit_code, 3) << again.errors;
+  EXPECT_NE(again.errors.find("goes on from t = "), std::string::npos) << again.errors;
+  EXPECT_NE(again.errors.find(line), std::string::npos) << again.errors;
+  EXPECT_EQ(contents(work() / "out/trajectory.csv"), rows);
+  EXPECT_EQ(contents(work() / "out/run.h5"), frames);
+}
+
+TEST_F(Program, ResumeTakesAFinishedRunFurtherAndRefusesAnother) {
+  const std::string small = quickstart +
+                            " --set channel.nodes=16 --set channel.length=4"
+                            " --set output.every=0.007 --set output.surfaces_every=0.03 -o ";
+  ASSERT_EQ(run("run " + small + "long --set run.time_limit=0.3").exit_code, 0);
+  ASSERT_EQ(run("run " + small + "short --set run.time_limit=0.1").exit_code, 0);
+  const Outcome further = run("resume short --until 0.3");
+  EXPECT_EQ(further.exit_code, 0) << further.errors;
+  for (const char* name : {"trajectory.csv", "run.h5", "run.xdmf", "frames/000005.h5"})
+    EXPECT_EQ(contents(work() / "short" / name), contents(work() / "long" / name)) << name;
+  EXPECT_NE(contents(work() / "short/log.txt").find("goes on from t = 0.0"), std::string::npos);
+  // Nothing is left to do, and nothing changes.
+  const std::string rows = contents(work() / "short/trajectory.csv");
+  EXPECT_EQ(run("resume short").exit_code, 0);
+  EXPECT_EQ(contents(work() / "short/trajectory.csv"), rows);
+
+  // Damage is told by name, and the checkpoint before is taken.
+  ASSERT_EQ(run("resume short --until 0.35").exit_code, 0);
+  std::string bytes = contents(work() / "short/checkpoint.h5");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+  std::ofstream(work() / "short/checkpoint.h5", std::ios::binary) << bytes;
+  const Outcome damaged = run("resume short --until 0.3");
+  EXPECT_EQ(damaged.exit_code, 0);
+  EXPECT_NE(damaged.errors.find("warning: short/checkpoint.h5 is damaged: its checksum is "),
+            std::string::npos)
+      << damaged.errors;
+  EXPECT_EQ(contents(work() / "short/trajectory.csv"), rows);
+  // Rows that are not what they were are told, and nothing is touched.
+  std::string other = rows;
+  other[other.size() / 4] = '7';
+  std::ofstream(work() / "short/trajectory.csv") << other;
+  const Outcome changed = run("resume short --until 0.4");
+  EXPECT_EQ(changed.exit_code, 1);
+  EXPECT_NE(changed.errors.find("short/trajectory.csv has changed since the checkpoint"),
+            std::string::npos)
+      << changed.errors;
+  EXPECT_EQ(contents(work() / "short/trajectory.csv"), other);
+
+  std::string scenario = contents(work() / "long/scenario.toml");
+  scenario.replace(scenario.find("reynolds = 10.0"), 15, "reynolds = 12.0");
+  std::ofstream(work() / "long/scenario.toml") << scenario;
+  const Outcome another = run("resume long --until 0.4");
+  EXPECT_EQ(another.exit_code, 2);
+  EXPECT_NE(another.errors.find("[channel] reynolds = 12.0 where the run has reynolds = 10.0"),
+            std::string::npos)
+      << another.errors;
+  EXPECT_EQ(run("resume nowhere").exit_code, 2);
+  EXPECT_EQ(run("resume short --until abc").exit_code, 2);
+  EXPECT_EQ(run("resume short --max-walltime soon").exit_code, 2);
+}
+
 // A body that fails in the very first step: no step is complete, and an option that might have
 // helped had it been spelt right is named.
 TEST_F(Program, AFailureInTheFirstStepStillNamesUnreadOptions) {

@@ -5,6 +5,7 @@
 #include <petscsys.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "checks/read_case.hpp"
+#include "run/blow_up.hpp"
 #include "run/signals.hpp"
 #include "scenario/writer.hpp"
 
@@ -103,6 +105,34 @@ TEST_F(Run, TwiceInOneProgramIsTwiceTheSame) {
   const std::string first = rows();
   EXPECT_GT(first.size(), 200U);
   EXPECT_EQ(rows(), first);
+}
+
+// Trouble spreads by a node a step to all sides, also across the ends of the channel.
+TEST(BlowUpOfTheFluid, IsWhereItBegan) {
+  const Case given = parse_case(small_case, "small.toml");
+  const auto& nodes = given.plan.fluid.nodes;
+  const auto size = static_cast<std::size_t>(nodes[0] * nodes[1] * nodes[2]);
+  for (const int from : {0, 5, nodes[2] - 2}) {
+    suspension::FluidState fluid{std::vector<double>(size, 1), std::vector<double>(3 * size)};
+    for (int i = 3; i <= 7; ++i) {
+      for (int j = 4; j <= 6; ++j) {
+        for (int k = from - 4; k <= from + 4; ++k) {
+          const int node = (i * nodes[1] + j) * nodes[2] + (k + nodes[2]) % nodes[2];
+          fluid.velocity[static_cast<std::size_t>(node) + size] = std::nan("");
+        }
+      }
+    }
+    const BlowUp found = explained({100, "", std::nullopt, "", {}, {}}, given, {}, fluid, {}, {});
+    ASSERT_TRUE(found.place);
+    Eigen::Vector3d expected = given.plan.units.position({5, 5, from});
+    const double length = given.plan.units.length(given.plan.length());
+    expected.z() -= length * std::floor(expected.z() / length + 0.5);
+    EXPECT_NEAR((*found.place - expected).norm(), 0, 1e-12) << from;
+    EXPECT_FALSE(found.cause.empty());
+  }
+  const suspension::FluidState all{std::vector<double>(size, std::nan("")),
+                                   std::vector<double>(3 * size)};
+  EXPECT_FALSE(explained({100, "", std::nullopt, "", {}, {}}, given, {}, all, {}, {}).place);
 }
 
 // A heavy sphere falls onto a light one that rises: they touch where their centres are 2 a apart.
