@@ -9,7 +9,6 @@
 #SBATCH --nodes=1
 #SBATCH --ntasks=2
 #SBATCH --time=04:00:00
-#SBATCH --signal=USR2@120
 #SBATCH --open-mode=append
 #SBATCH --output=%x.log
 scenario=$1

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Whether the pictures of runs show bodies in the fluid that carries them.
 
-    python3 pictures.py PROGRAM WORK             reads run.xdmf and run.h5 by an XML parser and h5py
+    python3 pictures.py PROGRAM WORK             reads run.xdmf and what it names by an XML parser and h5py
     pvpython pictures.py PROGRAM WORK --readers  opens run.xdmf with ParaView: XDMF Reader, Xdmf3 Reader T
                                                  (Xdmf3 Reader S takes files for pieces of one block)
 
@@ -75,12 +75,13 @@ class Fluid:
 def frames_of_files(directory):
     """Time -> block name -> points and velocity, or Fluid; as the files say."""
     import h5py
-    data = h5py.File(os.path.join(directory, 'run.h5'), 'r')
 
     def values(item):
         if item.get('Format') == 'XML':
             return np.array(item.text.split(), float)
-        found = data[item.text.partition(':')[2]][()]
+        name, _, dataset = item.text.partition(':')
+        with h5py.File(os.path.join(directory, name), 'r') as file:
+            found = file[dataset][()]
         assert list(found.shape) == [int(n) for n in item.get('Dimensions').split()]
         return found
 
