@@ -30,7 +30,7 @@
 namespace ductile::drivers {
 namespace {
 
-constexpr std::int64_t finite_interval = 128;  // steps between two looks at the whole fluid
+constexpr std::int64_t finite_interval = 32;  // steps between two looks at the whole fluid
 // Steps between two looks at the gaps: surfaces that approach each other at a Mach number of 0.05
 // come nearer by a lattice spacing. A look costs about what a step does at worst.
 constexpr std::int64_t gap_interval = 32;

@@ -36,7 +36,11 @@ toml::table parsed_value(const Override& override) {
   } catch (const toml::parse_error&) {
     // Fall through: a bare word.
   }
-  return toml::parse("value = " + in_quotes(override.value), override.origin);
+  try {
+    return toml::parse("value = " + in_quotes(override.value), override.origin);
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("{}: {}", in_quotes(override.origin), error.description()));
+  }
 }
 
 }  // namespace

@@ -181,6 +181,11 @@ void Fluid::fields(std::span<double> density, std::span<double> velocity) {
 Totals Fluid::totals() {
   return impl_->totals();
 }
+bool Fluid::finite() {
+  int all = impl_->finite() ? 1 : 0;
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, comm()), "MPI_Allreduce");
+  return all == 1;
+}
 void Fluid::save(const StateWriter& write) {
   impl_->save(write);
 }

@@ -37,6 +37,8 @@ class FluidImpl {
   virtual void load(const StateReader& read) = 0;
   /// The sums of rho - 1 and of rho u of each own plane.
   virtual std::vector<double> plane_sums() = 0;
+  /// Whether what is looked at of the own slab is finite.
+  virtual bool finite() = 0;
   [[nodiscard]] virtual std::size_t memory() const = 0;
   [[nodiscard]] virtual std::int64_t bytes_sent() const = 0;
 

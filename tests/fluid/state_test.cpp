@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ductile/fluid/d3q19.hpp"
@@ -247,6 +248,28 @@ TEST(State, IsThePopulationsLessTheirRestWeights) {
       EXPECT_NEAR(fields[(a + 1) * count + n], momentum[static_cast<Eigen::Index>(a)] / density,
                   1e-16);
     }
+  }
+}
+
+TEST(State, ThatIsNotFiniteAnywhereIsFoundWithinEightSteps) {
+  for (const auto walls : {Boundary::halfway, Boundary::regularized, Boundary::periodic}) {
+    Options options;
+    options.nodes = {19, 13, 10};
+    options.boundary = {walls, walls, Boundary::periodic};
+    Fluid fluid(MPI_COMM_SELF, options);
+    const State good = state_of(fluid);
+    EXPECT_TRUE(fluid.finite());
+    for (const auto& [i, j] : {std::pair(0, 0), {18, 12}, {0, 12}, {9, 7}, {18, 0}, {5, 3}}) {
+      State bad = good;
+      bad["f00"][static_cast<std::size_t>((i * 13 + j) * 10 + 6)] = std::nan("");
+      fluid.load(reader_of(bad));
+      for (int n = 0; n < 8; ++n) fluid.step();
+      EXPECT_FALSE(fluid.finite()) << i << " " << j;
+      EXPECT_FALSE(fluid.totals().finite());
+    }
+    fluid.load(reader_of(good));
+    for (int n = 0; n < 8; ++n) fluid.step();
+    EXPECT_TRUE(fluid.finite());
   }
 }
 

@@ -175,6 +175,10 @@ class Fluid {
   void fields(std::span<double> density, std::span<double> velocity);
   /// Collective.
   Totals totals();
+  /// Whether density and velocity are finite numbers, on every rank alike. Cheap, for looking often:
+  /// only some nodes are looked at, but what is not finite spreads by a node in each step, so that
+  /// eight steps after it began none is missed. Collective.
+  bool finite();
 
   /// Writes all that determines the future but force that points have added since the last step.
   /// "time" is one number; "f00" to "f18" are f_i - w_i of the own slab's nodes, as they are about

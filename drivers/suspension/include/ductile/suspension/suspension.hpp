@@ -71,8 +71,8 @@ class Suspension {
   [[nodiscard]] std::int64_t steps() const { return fluid_.time(); }
   /// [W^2/nu]
   [[nodiscard]] double time() const { return plan_.units.time(steps()); }
-  /// Whether the fluid's mass and momentum are finite numbers, on every rank alike.
-  [[nodiscard]] bool finite() { return fluid_.totals().finite(); }
+  /// fluid::Fluid::finite()
+  [[nodiscard]] bool finite() { return fluid_.finite(); }
 
   /// What follows is on rank 0 alone; other ranks get empty lists.
   [[nodiscard]] Sample sample() const;
