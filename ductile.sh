@@ -97,6 +97,7 @@ case ${1:-} in
       </dev/null &
     job=$!
     asked=USR2  # a second time it is to end at once
+    [ "$1" != bench ] || asked=TERM
     trap 'waits=1; kill -$asked "$job"; asked=TERM' TERM INT HUP
     trap 'waits=1; kill -USR1 "$job"' USR1
     trap 'waits=1; kill -USR2 "$job"' USR2

@@ -17,6 +17,9 @@ ductile=${DUCTILE:-ductile}
 # A few minutes less than --time.
 walltime=${DUCTILE_WALLTIME:-03:55:00}
 
+steps() { grep -so '"steps": [0-9]*' "$directory/summary.json"; }
+before=$(steps)
+
 if [ -e "$directory/scenario.toml" ]; then
   mpirun "$ductile" resume "$directory" --max-walltime "$walltime"
 else
@@ -24,9 +27,9 @@ else
 fi
 code=$?
 
-# 5: a signal ended it, 6: its time was over; both go on. Anything else is the end, or needs somebody.
-# A job that has not begun to compute is not to start another for ever: what it has is in its log.
+# 5: a signal ended it, 6: its time was over; both go on, unless the time did not do for a single step.
+# Anything else is the end, or needs somebody.
 case $code in
-  5 | 6) sbatch "$0" "$scenario" "$directory" ;;
+  5 | 6) [ "$(steps)" = "$before" ] || sbatch "$0" "$scenario" "$directory" ;;
 esac
 exit "$code"

@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands/program.hpp"
@@ -22,6 +24,10 @@ int main(int argc, char** argv) {
   using namespace ductile::drivers;
   open_missing_streams();
   prepare_signals();
+  // From the first moment to the last, of what runs; other commands end as any program does.
+  std::optional<Signals> signals;
+  for (const std::string_view command : {"run", "pair", "resume", "compare"})
+    if (argc > 1 && command == argv[1]) signals.emplace();
   start_clock();
   // PETSc gets none of the user's arguments, reads no file, and leaves signals alone.
   const std::vector<std::string> ignored = ignored_petsc_sources();

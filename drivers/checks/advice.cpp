@@ -10,7 +10,6 @@
 
 #include "analysis/contacts.hpp"
 #include "checks/geometry.hpp"
-#include "checks/memory.hpp"
 #include "checks/speed.hpp"
 #include "scenario/defaults.hpp"
 
@@ -174,7 +173,6 @@ std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
         "does it",
         some_of(unpredicted)));
   }
-  if (const std::string lack = memory_lacks(given, 1); !lack.empty()) list.push_back(lack);
   return list;
 }
 

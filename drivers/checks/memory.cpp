@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -70,6 +71,11 @@ double address_space_allows() {
   return static_cast<double>(limit.rlim_cur) - kilobyte * entry("/proc/self/status", "VmSize:");
 }
 
+/// Without what cannot be read there is no limit.
+double known(double bytes) {
+  return std::isfinite(bytes) ? std::max(0.0, bytes) : unlimited;
+}
+
 double of_body(const suspension::BodyPlan& body) {
   const auto vertices = static_cast<double>(surface::vertex_count(body.frequency));
   const BoxSize box = box_around(body);
@@ -81,40 +87,42 @@ double of_body(const suspension::BodyPlan& body) {
 
 }  // namespace
 
-double memory_needed(const Case& given) {
+MemoryNeed memory_needed(const Case& given) {
   const suspension::Plan& plan = given.plan;
-  double bytes = halos * population_bytes(plan);
-  for (const suspension::BodyPlan& body : plan.bodies) bytes += of_body(body);
-  return bytes + static_cast<double>(plan.node_count()) *
-                     (given.schedule.fields > 0 ? shown_node : kept_node);
+  MemoryNeed need;
+  need.shared = halos * population_bytes(plan);
+  for (const suspension::BodyPlan& body : plan.bodies) need.shared += of_body(body);
+  need.gathered =
+      static_cast<double>(plan.node_count()) * (given.schedule.fields > 0 ? shown_node : kept_node);
+  return need;
 }
 
-double memory_free() {
-  return std::max(0.0, std::min({kilobyte * entry("/proc/meminfo", "MemAvailable:"), group_allows(),
-                                 address_space_allows()}));
-}
-
-std::string memory_lacks(const Case& given, double share) {
-  const double needed = share * memory_needed(given);
-  const double free = memory_free();
-  if (needed <= free) return "";
-  return fmt::format(
-      "the run needs {} of memory{}, of which {} are free: take fewer nodes, fluid.storage = "
-      "\"single\", or more machines",
-      size_text(needed), share < 1 ? " on this machine" : "", size_text(free));
-}
-
-double share_of_machine(MPI_Comm comm) {
+Ranks ranks_of(MPI_Comm comm) {
   using fluid::mpi_check;
+  Ranks ranks;
   MPI_Comm here = MPI_COMM_NULL;
-  int ranks = 1;
-  int ranks_here = 1;
-  mpi_check(MPI_Comm_size(comm, &ranks), "MPI_Comm_size");
+  mpi_check(MPI_Comm_size(comm, &ranks.all), "MPI_Comm_size");
   mpi_check(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here),
             "MPI_Comm_split_type");
-  mpi_check(MPI_Comm_size(here, &ranks_here), "MPI_Comm_size");
+  mpi_check(MPI_Comm_size(here, &ranks.here), "MPI_Comm_size");
   mpi_check(MPI_Comm_free(&here), "MPI_Comm_free");
-  return static_cast<double>(ranks_here) / ranks;
+  return ranks;
+}
+
+std::string memory_lacks(const Case& given, const Ranks& ranks) {
+  const MemoryNeed need = memory_needed(given);
+  const double here = need.shared * ranks.here / ranks.all + need.gathered;
+  const double of_one = need.shared / ranks.all + need.gathered;
+  const double free_here =
+      std::min(known(kilobyte * entry("/proc/meminfo", "MemAvailable:")), known(group_allows()));
+  const double free_to_one = known(address_space_allows());
+  if (here <= free_here && of_one <= free_to_one) return "";
+  const bool machine = here > free_here;
+  return fmt::format(
+      "the run needs {} of memory {}, which may take {}: take fewer nodes, fluid.storage = "
+      "\"single\", or more machines",
+      size_text(machine ? here : of_one), machine ? "on this machine" : "in the first rank",
+      size_text(machine ? free_here : free_to_one));
 }
 
 }  // namespace ductile::drivers

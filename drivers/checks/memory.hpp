@@ -9,19 +9,25 @@
 
 namespace ductile::drivers {
 
-/// Bytes of a run, on all ranks together: the populations, forces and velocities around bodies, the
-/// bodies themselves, and what rank 0 gathers to write a frame or a checkpoint.
-double memory_needed(const Case& given);
+/// Bytes of a run.
+struct MemoryNeed {
+  double shared = 0;    ///< on all ranks together: populations, and all that is around bodies
+  double gathered = 0;  ///< on rank 0, to write a frame or a checkpoint
+  [[nodiscard]] double total() const { return shared + gathered; }
+};
+MemoryNeed memory_needed(const Case& given);
 
-/// Bytes that this process may still take: of what is free on the machine, what its control group
-/// allows and the limit of its address space (ulimit -v), the least.
-double memory_free();
+/// The ranks of a job, and how many of them are on this machine.
+struct Ranks {
+  int all = 1;
+  int here = 1;
+};
+/// Collective.
+Ranks ranks_of(MPI_Comm comm);
 
-/// What there is to say if a share of the run, of the ranks that are on this machine, does not fit;
-/// else nothing.
-std::string memory_lacks(const Case& given, double share);
-
-/// The part of all ranks that are on this rank's machine. Collective.
-double share_of_machine(MPI_Comm comm);
+/// What there is to say if the run does not fit into the memory of rank 0's machine, else nothing.
+/// What it may take is the least of what is free, what its control group leaves, and the limit of
+/// address space (ulimit -v), which each rank has for itself. On rank 0.
+std::string memory_lacks(const Case& given, const Ranks& ranks);
 
 }  // namespace ductile::drivers

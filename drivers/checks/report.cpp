@@ -149,8 +149,9 @@ void add_gaps(Lines& lines, const suspension::Plan& plan) {
 }
 
 void add_cost(Lines& lines, const Case& given, int cores, const std::optional<KnownSpeed>& known) {
-  lines.add("memory", fmt::format("{}, {} of it populations", size_text(memory_needed(given)),
-                                  size_text(population_bytes(given.plan))));
+  lines.add("memory",
+            fmt::format("{}, {} of it populations", size_text(memory_needed(given).total()),
+                        size_text(population_bytes(given.plan))));
   const KnownSpeed speed = known ? *known : guessed_speed(cores);
   const int most = std::clamp(std::min(cores, speed.ranks), 1, given.plan.fluid.nodes[2]);
   const auto duration = [&](int ranks) {
@@ -183,6 +184,7 @@ std::string report(const Case& given, int cores, const std::optional<KnownSpeed>
   add_cost(lines, given, cores, known);
   for (const std::string& note : notes(given)) lines.add("note", note);
   for (const std::string& warning : warnings(given, models)) lines.add("warning", warning);
+  if (const std::string lack = memory_lacks(given, {}); !lack.empty()) lines.add("warning", lack);
   return lines.text();
 }
 

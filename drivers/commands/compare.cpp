@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <set>
 
-#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "commands/input.hpp"
 #include "ductile/membrane/integrator.hpp"
@@ -129,7 +128,10 @@ Results run_all(Variants& variants, bool force, MPI_Comm comm) {
           duration_text(run.summary->wall_time));
       results.contenders.push_back({integrator, *std::move(run.summary), std::move(run.samples)});
     }
-    if (run.interrupted) break;
+    if (run.interrupted) {
+      results.exit_code = run.exit_code;
+      return results;
+    }
   }
   if (codes.size() == 1) results.exit_code = *codes.begin();
   return results;
@@ -185,11 +187,11 @@ CompareCommand::Request CompareCommand::prepare() const {
 
 int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
   Variants variants;
-  const double share = share_of_machine(comm);
+  const Ranks ranks = ranks_of(comm);
   const int code = with_input(comm, [&] {
     const Request request = prepare();
     for (const auto& [name, given] : request.cases) {
-      require_memory(given, share);
+      require_memory(given, ranks);
       variants.read_options.merge(try_petsc_options(given));
       variants.scenarios.push_back(resolved_toml(given.scenario));
     }
@@ -206,7 +208,7 @@ int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
     return exit_success;
   });
   if (removed != exit_success) return removed;
-  const Signals signals;  // also between two runs
+  const Signals signals;  // also between two runs of a caller that has none
   Results results = run_all(variants, output_.force(), comm);
   if (has_results(results.exit_code)) {
     const int written = write_comparison(results, variants, comm);

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "checks/advice.hpp"
-#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "output/say.hpp"
@@ -57,8 +56,8 @@ Case shared_case(std::string& scenario, MPI_Comm comm) {
   return parse_case(scenario, "scenario.toml");
 }
 
-void require_memory(const Case& given, double share) {
-  if (const std::string lack = memory_lacks(given, share); !lack.empty())
+void require_memory(const Case& given, const Ranks& ranks) {
+  if (const std::string lack = memory_lacks(given, ranks); !lack.empty())
     throw InputError("ductile: " + lack);
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "checks/memory.hpp"
 #include "scenario/plan.hpp"
 
 namespace ductile::drivers {
@@ -26,8 +27,8 @@ std::vector<std::vector<std::string>> advise(
 /// is what was run. Collective.
 Case shared_case(std::string& scenario, MPI_Comm comm);
 
-/// Refuses, where `share` of the run does not fit into this machine's memory. Throws InputError.
-void require_memory(const Case& given, double share);
+/// Throws InputError if the run does not fit into memory. Rank 0.
+void require_memory(const Case& given, const Ranks& ranks);
 
 /// Whether the channel has a plane for each rank; else says so, on rank 0. Collective.
 bool enough_planes(const Case& given, MPI_Comm comm);

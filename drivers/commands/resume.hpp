@@ -17,6 +17,7 @@ class ResumeCommand final : public SingleRun {
  private:
   std::string directory_;
   std::string until_;
+  CLI::Option* until_given_ = nullptr;
 };
 
 }  // namespace ductile::drivers

@@ -5,7 +5,6 @@
 #include <set>
 #include <string>
 
-#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "commands/input.hpp"
 #include "output/outcome.hpp"
@@ -38,10 +37,11 @@ void SingleRun::declare_shared(CLI::App& command, const std::string& usual_direc
 std::optional<double> SingleRun::max_walltime() const {
   if (max_walltime_.empty()) return std::nullopt;
   const std::optional<double> seconds = parsed_duration(max_walltime_);
-  if (!seconds || !(*seconds > 0)) {
+  constexpr double least = 5;  // a checkpoint, summary and picture take of it
+  if (!seconds || !(*seconds >= least)) {
     throw InputError(
-        fmt::format("--max-walltime {}: must be a time above 0 such as 90s, 30m, 11.5h, "
-                    "2d or 11:30:00",
+        fmt::format("--max-walltime {}: must be a time of at least 5s, such as 90s, 30m, "
+                    "11.5h, 2d or 11:30:00",
                     max_walltime_));
   }
   return seconds;
@@ -52,11 +52,11 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
   std::filesystem::path directory;     // rank 0's
   std::set<std::string> read_options;  // rank 0's
   std::vector<std::string> warnings;   // rank 0's
-  const double share = share_of_machine(comm);
+  const Ranks ranks = ranks_of(comm);
   const int code = with_input(comm, [&] {
     static_cast<void>(max_walltime());  // refused here if at all
     const Request request = prepare();
-    require_memory(request.given, share);
+    require_memory(request.given, ranks);
     read_options = try_petsc_options(request.given);
     warnings = advise({{"", request.given}}).front();
     directory = request.directory;

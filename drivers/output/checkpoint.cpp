@@ -62,6 +62,7 @@ NewCheckpoint::NewCheckpoint(const fs::path& file) : path_(file), out_(file) {
 void NewCheckpoint::put(const std::string& name, hdf5::Type type, std::span<const std::byte> values,
                         std::size_t count) {
   const hdf5::QuietErrors quiet;
+  out_.check();
   for (std::size_t end = name.find('/'); end != std::string::npos; end = name.find('/', end + 1))
     hdf5::need_group(writer_->file(), name.substr(0, end));
   Checksum checksum;
@@ -73,7 +74,7 @@ void NewCheckpoint::put(const std::string& name, hdf5::Type type, std::span<cons
 
 void NewCheckpoint::put(std::string_view name, std::span<const double> numbers) {
   for (const double x : numbers) {
-    if (!std::isfinite(x)) throw NotFinite(fmt::format("{} holds {}", name, x));
+    if (!std::isfinite(x)) throw NotFinite(std::string(name));
   }
   if (fits_float(numbers)) {
     const std::vector<float> narrow(numbers.begin(), numbers.end());
@@ -89,15 +90,9 @@ void NewCheckpoint::put(std::string_view name, std::string_view text) {
 
 void NewCheckpoint::commit(const fs::path& before) {
   writer_->close();
+  out_.check();
   const std::uint64_t size = out_.size();
-  Checksum checksum;
-  std::vector<char> buffer(piece);
-  for (std::uint64_t at = block_size; at < size; at += piece) {
-    const std::size_t n = std::min<std::uint64_t>(piece, size - at);
-    out_.read(at, buffer.data(), n);
-    checksum.add(buffer.data(), n);
-  }
-  const Block block = block_of(checkpoint_format, size, checksum.value());
+  const Block block = block_of(checkpoint_format, size, checksum_of(out_, block_size));
   out_.write(0, block.data(), block.size());
   out_.flush();  // now, for once it is renamed the old one is not the latest any more
   std::error_code error;
@@ -109,7 +104,10 @@ void NewCheckpoint::commit(const fs::path& before) {
 Checkpoint::Checkpoint(const fs::path& file) : path_(file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"),
                                                            std::fclose);
-  if (in == nullptr) refuse(std::strerror(errno));
+  // Not to be read now is no reason to go on from an older one.
+  if (in == nullptr) {
+    throw OutputError(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)));
+  }
   Block block{};
   const std::size_t begun = std::fread(block.data(), 1, block.size(), in.get());
   std::string_view text(block.data(), begun);
@@ -134,6 +132,8 @@ Checkpoint::Checkpoint(const fs::path& file) : path_(file) {
     n = std::fread(buffer.data(), 1, piece, in.get());
     checksum.add(buffer.data(), n);
   }
+  if (std::ferror(in.get()) != 0)
+    throw OutputError(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)));
   if (read != *size) refuse(fmt::format("is damaged: it has {} of {} bytes", read, *size));
   if (checksum.value() != *sum) {
     refuse(fmt::format("is damaged: its checksum is {}, not {:016x}", checksum.text(), *sum));
@@ -157,6 +157,14 @@ hdf5::Handle Checkpoint::open(std::string_view name) const {
 }
 
 std::vector<std::byte> Checkpoint::bytes(std::string_view name, std::size_t size_of_one) const {
+  try {
+    return raw(name, size_of_one);
+  } catch (const OutputError&) {  // as the calls of HDF5 name it
+    refuse(fmt::format("has {}, which cannot be read", name));
+  }
+}
+
+std::vector<std::byte> Checkpoint::raw(std::string_view name, std::size_t size_of_one) const {
   const hdf5::Handle dataset = open(name);
   const hdf5::Handle type(H5Dget_type(dataset), H5Tclose, name);
   const hdf5::Handle space(H5Dget_space(dataset), H5Sclose, name);

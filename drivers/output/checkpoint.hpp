@@ -31,7 +31,7 @@ class CheckpointError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Something that is not a finite number was to be kept: the run has blown up.
+/// Something that is not a finite number was to be kept: the run has blown up. what() is its name.
 class NotFinite : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -61,7 +61,8 @@ class NewCheckpoint {
 /// A checkpoint that is whole.
 class Checkpoint {
  public:
-  /// Reads all of it once, before HDF5 sees any of it. Throws CheckpointError.
+  /// Reads all of it once, before HDF5 sees any of it. Throws CheckpointError; OutputError if the
+  /// system does not let it be read.
   explicit Checkpoint(const std::filesystem::path& file);
 
   /// Throw CheckpointError if there is nothing of that name, or not so many numbers.
@@ -75,6 +76,7 @@ class Checkpoint {
   [[noreturn]] void refuse(std::string_view reason) const;
   [[nodiscard]] hdf5::Handle open(std::string_view name) const;
   [[nodiscard]] std::vector<std::byte> bytes(std::string_view name, std::size_t size_of_one) const;
+  [[nodiscard]] std::vector<std::byte> raw(std::string_view name, std::size_t size_of_one) const;
 
   std::filesystem::path path_;
   std::optional<hdf5::Handle> file_;

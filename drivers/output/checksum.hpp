@@ -3,8 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
+
+#include "output/file.hpp"
 
 namespace ductile::drivers {
 
@@ -26,5 +29,10 @@ class Checksum {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Of what is in the file from `begin` on.
+std::uint64_t checksum_of(NewFile& file, std::uint64_t begin);
+/// Of a whole file. Throws OutputError if it cannot be read.
+std::uint64_t checksum_of(const std::filesystem::path& file);
 
 }  // namespace ductile::drivers

@@ -70,11 +70,12 @@ void NewFile::write(std::uint64_t offset, const void* data, std::size_t size) no
   size_ = std::max(size_, offset + size);
 }
 
-void NewFile::read(std::uint64_t offset, void* data, std::size_t size) const noexcept {
+void NewFile::read(std::uint64_t offset, void* data, std::size_t size) noexcept {
   auto* to = static_cast<char*>(data);
   while (size > 0) {
     const ssize_t n = pread(descriptor_, to, size, static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && error_ == 0) error_ = errno;
     if (n <= 0) break;
     to += n;
     offset += static_cast<std::uint64_t>(n);
@@ -83,9 +84,13 @@ void NewFile::read(std::uint64_t offset, void* data, std::size_t size) const noe
   std::memset(to, 0, size);
 }
 
+void NewFile::check() const {
+  if (error_ != 0) fail_to_write(file_, error_);
+}
+
 void NewFile::flush() {
   if (error_ == 0 && fsync(descriptor_) != 0) error_ = errno;
-  if (error_ != 0) fail_to_write(file_, error_);
+  check();
 }
 
 void NewFile::commit(Durability durability) {
@@ -124,8 +129,8 @@ AppendedFile::~AppendedFile() {
 void AppendedFile::append(std::string_view piece) {
   const int error = write_all(descriptor_, size_, piece.data(), piece.size());
   if (error != 0) {
-    // A disk that takes no more lets go of what it has taken.
-    if (ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) fail_to_write(file_, errno);
+    // A disk that takes no more lets go of what it has taken; if not, the next piece overwrites it.
+    static_cast<void>(ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
     fail_to_write(file_, error);
   }
   size_ += piece.size();

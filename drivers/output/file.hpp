@@ -42,10 +42,12 @@ class NewFile {
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }
   /// Writes at `offset`. The first failure is kept for commit(); then nothing more is written.
   void write(std::uint64_t offset, const void* data, std::size_t size) noexcept;
-  /// Reads back; zeros beyond what is there.
-  void read(std::uint64_t offset, void* data, std::size_t size) const noexcept;
+  /// Reads back; zeros beyond what is there. A failure is kept like one to write.
+  void read(std::uint64_t offset, void* data, std::size_t size) noexcept;
   /// The end of what was written.
   [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Throws OutputError if anything could not be written so far.
+  void check() const;
   /// Brings it onto the disk. Throws OutputError if anything could not be written.
   void flush();
   /// Throws OutputError if anything could not be written.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace ductile::drivers::hdf5 {
@@ -23,9 +25,11 @@ std::string root_cause() {
 
 // A driver of HDF5 that writes into a NewFile, and always succeeds: what has failed is for
 // NewFile::commit() to tell.
+using Sink = Writer::Sink;
+
 struct DriverFile {
   H5FD_t base;  // HDF5's own part comes first
-  NewFile* out;
+  std::shared_ptr<Sink> sink;
   haddr_t end;  // of what HDF5 has allocated
 };
 
@@ -37,10 +41,10 @@ const DriverFile* of(const H5FD_t* file) {
 }
 
 H5FD_t* driver_open(const char* /*name*/, unsigned /*flags*/, hid_t access, haddr_t /*limit*/) {
-  const auto* out = static_cast<NewFile* const*>(H5Pget_driver_info(access));
-  if (out == nullptr) return nullptr;
+  const auto* sink = static_cast<const std::shared_ptr<Sink>* const*>(H5Pget_driver_info(access));
+  if (sink == nullptr) return nullptr;
   auto* file = new DriverFile{};
-  file->out = *out;
+  file->sink = **sink;
   return &file->base;
 }
 
@@ -65,25 +69,27 @@ herr_t driver_set_end(H5FD_t* file, H5FD_mem_t /*type*/, haddr_t end) {
 }
 
 haddr_t driver_size(const H5FD_t* file, H5FD_mem_t /*type*/) {
-  return std::max<haddr_t>(of(file)->end, of(file)->out->size());
+  const NewFile* out = of(file)->sink->out;
+  return std::max<haddr_t>(of(file)->end, out != nullptr ? out->size() : 0);
 }
 
 herr_t driver_read(H5FD_t* file, H5FD_mem_t /*type*/, hid_t /*transfer*/, haddr_t at,
                    std::size_t size, void* data) {
-  of(file)->out->read(at, data, size);
+  if (NewFile* out = of(file)->sink->out) out->read(at, data, size);
   return 0;
 }
 
 herr_t driver_write(H5FD_t* file, H5FD_mem_t /*type*/, hid_t /*transfer*/, haddr_t at,
                     std::size_t size, const void* data) {
-  of(file)->out->write(at, data, size);
+  if (NewFile* out = of(file)->sink->out) out->write(at, data, size);
   return 0;
 }
 
 // Space that nobody has written to at the end belongs to the file too.
 herr_t driver_truncate(H5FD_t* file, hid_t /*transfer*/, hbool_t /*closing*/) {
-  DriverFile& own = *of(file);
-  if (own.end > own.out->size()) own.out->write(own.end - 1, "", 1);
+  const DriverFile& own = *of(file);
+  NewFile* out = own.sink->out;
+  if (out != nullptr && own.end > out->size()) out->write(own.end - 1, "", 1);
   return 0;
 }
 
@@ -93,7 +99,7 @@ hid_t driver() {
     methods.name = "ductile";
     methods.maxaddr = HADDR_MAX / 4;
     methods.fc_degree = H5F_CLOSE_STRONG;
-    methods.fapl_size = sizeof(NewFile*);
+    methods.fapl_size = sizeof(const std::shared_ptr<Sink>*);
     methods.open = driver_open;
     methods.close = driver_close;
     methods.query = driver_query;
@@ -128,29 +134,42 @@ void fail(std::string_view what, hid_t where) {
 }
 
 Writer::Writer(NewFile& out, hsize_t user_block)
-    : name_(out.part().string()), file_([&] {
+    : name_(out.part().string()), sink_(std::make_shared<Sink>(Sink{&out})), file_([&] {
         const QuietErrors quiet;
         Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file properties");
-        NewFile* target = &out;
+        const std::shared_ptr<Sink>* target = &sink_;
         check(H5Pset_driver(access, driver(), &target), "file properties");
         Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file properties");
         check(H5Pset_userblock(creation, user_block), "file properties");
         return Handle(H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, name_);
       }()) {}
 
+Writer::~Writer() {
+  const QuietErrors quiet;
+  static_cast<void>(Handle(std::move(file_)));
+  sink_->out = nullptr;  // whatever HDF5 still does to a file that it could not close
+}
+
 void Writer::close() {
   const QuietErrors quiet;
   file_.close(name_);
 }
 
-void write_file(const std::filesystem::path& file, const std::function<void(hid_t file)>& fill) {
-  NewFile out(file);
-  {
-    const QuietErrors quiet;
-    Writer writer(out);
+void write_file(NewFile& out, const std::function<void(hid_t file)>& fill) {
+  const QuietErrors quiet;
+  Writer writer(out);
+  try {
     fill(writer.file());
     writer.close();
+  } catch (const OutputError&) {
+    out.check();  // is the reason, where there is one
+    throw;
   }
+}
+
+void write_file(const std::filesystem::path& file, const std::function<void(hid_t file)>& fill) {
+  NewFile out(file);
+  write_file(out, fill);
   out.commit();
 }
 

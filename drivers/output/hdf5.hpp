@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -67,17 +68,28 @@ class Handle {
 /// ends the program in trouble. drivers::NewFile::commit() tells.
 class Writer {
  public:
+  /// Where the driver writes to; nothing once the writer is gone.
+  struct Sink {
+    NewFile* out;
+  };
+
   /// `out` must outlive it, and holds the whole file after close(). Throws OutputError.
   explicit Writer(NewFile& out, hsize_t user_block = 0);
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
   [[nodiscard]] hid_t file() const { return file_; }
   /// Throws OutputError.
   void close();
 
  private:
   std::string name_;
+  std::shared_ptr<Sink> sink_;
   Handle file_;
 };
 
+/// Fills a new file, which is then to be committed. Throws OutputError.
+void write_file(NewFile& out, const std::function<void(hid_t file)>& fill);
 /// Replaces `file` by a new HDF5 file that `fill` writes. Throws OutputError.
 void write_file(const std::filesystem::path& file, const std::function<void(hid_t file)>& fill);
 

@@ -25,11 +25,9 @@ void print_outcome(const Summary& summary, const std::filesystem::path& director
         directory.string());
   } else {
     if (summary.status == RunStatus::interrupted || summary.status == RunStatus::walltime) {
-      const std::string reason =
-          summary.status == RunStatus::walltime
-              ? "its time is used up"
-              : fmt::format("SIG{} came",
-                            summary.signal > 0 ? sigabbrev_np(summary.signal) : "a signal");
+      const std::string reason = summary.status == RunStatus::walltime
+                                     ? "its time is used up"
+                                     : fmt::format("SIG{} came", sigabbrev_np(summary.signal));
       say(stderr,
           "ductile: {}, and the run stops at step {} (t = {:.4g}): `ductile resume {}` goes "
           "on with it\n",

@@ -8,19 +8,33 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <string>
 #include <utility>
 
+#include "output/say.hpp"
 #include "scenario/errors.hpp"
 
 namespace ductile::drivers {
 namespace fs = std::filesystem;
 
 namespace {
-constexpr std::array own_files = {"scenario.toml",  "trajectory.csv", "run.h5",
-                                  "run.xdmf",       "frames",         "summary.json",
-                                  "trajectory.png", "checkpoint.h5",  "checkpoint-before.h5",
+constexpr std::array own_files = {"scenario.toml",
+                                  "trajectory.csv",
+                                  "run.h5",
+                                  "run.xdmf",
+                                  "frames",
+                                  "summary.json",
+                                  "trajectory.png",
+                                  "checkpoint.h5",
+                                  "checkpoint-before.h5",
+                                  "checkpoint-refused.h5",
                                   "log.txt"};
 constexpr std::string_view unfinished = ".part";
+constexpr std::string_view lock_name = "lock";
+constexpr std::string_view log_name = "log.txt";
 
 std::string lock_text() {
   std::array<char, 256> host{};
@@ -36,7 +50,12 @@ void require_free(const fs::path& directory, bool force) {
     throw InputError(
         fmt::format("{}: is not a directory: choose another with -o", directory.string()));
   }
-  if (!force && !fs::is_empty(directory, error)) {
+  // What a run leaves that has died before it began is nothing to lose.
+  const auto counts = [](const fs::directory_entry& entry) {
+    return entry.path().filename() != lock_name && entry.path().filename() != log_name;
+  };
+  const bool empty = std::none_of(fs::directory_iterator(directory, error), {}, counts);
+  if (!force && !empty) {
     throw InputError(fmt::format(
         "{}: is not empty: add --force to replace the run in it, or choose another with -o",
         directory.string()));
@@ -49,6 +68,7 @@ RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
   fs::create_directories(path_, error);
   if (error) fail_to_write(path_, error.value());
   lock();
+  require_free(path_, force);  // another run may have come and gone meanwhile
   for (const char* name : own_files) {
     for (const std::string_view suffix : {std::string_view(), unfinished}) {
       fs::path file = path_ / name;
@@ -70,30 +90,30 @@ RunDirectory::~RunDirectory() {
   if (lock_ >= 0) close(lock_);
 }
 
-// The lock is the system's: it ends with the process, however that ends. What is in the file is for
-// people to read.
+// The lock is on the directory itself, and the system's: it ends with the process, however that
+// ends, and nothing that somebody removes takes it away. The file says whose it is.
 void RunDirectory::lock() {
-  const fs::path file = path_ / "lock";
-  constexpr mode_t everyone = 0666;
-  lock_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, everyone);
-  if (lock_ < 0) fail_to_write(file, errno);
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    const int reason = errno;
-    std::array<char, 512> holder{};
-    const ssize_t size = read(lock_, holder.data(), holder.size());
-    close(std::exchange(lock_, -1));
-    std::string_view who(holder.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-    while (who.ends_with('\n')) who.remove_suffix(1);
-    // A file system without locks is no reason not to compute.
-    if (reason != EWOULDBLOCK) return;
-    throw InputError(
-        fmt::format("{}: another run is writing there ({}): wait for its end, or "
-                    "choose another directory with -o",
-                    path_.string(), who));
+  const fs::path file = path_ / lock_name;
+  lock_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0)
+    throw OutputError(fmt::format("cannot open {}: {}", path_.string(), std::strerror(errno)));
+  if (flock(lock_, LOCK_EX | LOCK_NB) == 0) {
+    write_atomically(file, lock_text());
+    return;
   }
-  const std::string text = lock_text();
-  if (ftruncate(lock_, 0) != 0 || pwrite(lock_, text.data(), text.size(), 0) < 0)
-    fail_to_write(file, errno);
+  const int reason = errno;
+  close(std::exchange(lock_, -1));
+  if (reason != EWOULDBLOCK) {
+    say(stderr, "warning: {} cannot be locked ({}): see to it that no other run writes there\n",
+        path_.string(), std::strerror(reason));
+    return;
+  }
+  std::string who;
+  std::getline(std::ifstream(file), who);
+  throw InputError(
+      fmt::format("{}: another run is writing there ({}): wait for its end, or choose "
+                  "another directory with -o",
+                  path_.string(), who.empty() ? "of which no more is known" : who));
 }
 
 }  // namespace ductile::drivers

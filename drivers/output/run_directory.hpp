@@ -14,8 +14,8 @@ namespace ductile::drivers {
 void require_free(const std::filesystem::path& directory, bool force);
 
 /// A run's directory: scenario.toml, trajectory.csv, run.h5, run.xdmf, frames/, summary.json,
-/// trajectory.png, checkpoint.h5, checkpoint-before.h5, log.txt; and `lock`, which the system takes
-/// from a run that has died.
+/// trajectory.png, checkpoint.h5, checkpoint-before.h5, checkpoint-refused.h5, log.txt; and `lock`,
+/// which the system takes from a run that has died.
 class RunDirectory {
  public:
   /// Creates `path` and its parents where missing. One that exists must be empty, or `force` be
@@ -32,9 +32,13 @@ class RunDirectory {
   [[nodiscard]] std::filesystem::path scenario() const { return path_ / "scenario.toml"; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.csv"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
+  [[nodiscard]] std::filesystem::path plot() const { return path_ / "trajectory.png"; }
   [[nodiscard]] std::filesystem::path checkpoint() const { return path_ / "checkpoint.h5"; }
   [[nodiscard]] std::filesystem::path checkpoint_before() const {
     return path_ / "checkpoint-before.h5";
+  }
+  [[nodiscard]] std::filesystem::path checkpoint_refused() const {
+    return path_ / "checkpoint-refused.h5";
   }
   [[nodiscard]] std::filesystem::path log() const { return path_ / "log.txt"; }
 

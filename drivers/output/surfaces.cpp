@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <set>
@@ -11,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "output/checksum.hpp"
 #include "output/hdf5.hpp"
 #include "scenario/text.hpp"
 
@@ -266,20 +268,37 @@ Surfaces::Surfaces(fs::path directory, std::vector<SurfaceMesh> bodies, const Ch
 
 // Frames beyond those that are known came after what the run goes on from.
 void Surfaces::take_over(std::vector<Frame> frames) {
-  std::set<fs::path> known;
-  for (Frame& frame : frames) {
-    const fs::path file = directory_ / frame_file(frames_.size());
-    if (frame.bodies.size() != bodies_.size() || !fs::exists(file))
-      throw std::runtime_error(fmt::format("{} is missing or of another run", file.string()));
-    known.insert(file);
-    add(std::move(frame));
-  }
+  for (Frame& frame : frames) add(std::move(frame));
   flushed_ = frames_.size();
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(directory_ / frames_name, error)) {
-    if (!known.contains(entry.path()) && !fs::remove(entry.path(), error)) break;
+    const std::string name = entry.path().filename();
+    const std::string number = name.substr(0, name.find('.'));
+    const bool of_a_frame = name == number + ".h5" || name == number + ".h5.part";
+    if (!of_a_frame || number.size() < frame_name(0).size() ||
+        !std::ranges::all_of(number, [](unsigned char c) { return std::isdigit(c) != 0; }))
+      continue;
+    const bool known = name == number + ".h5" && std::stoull(number) < frames_.size();
+    if (!known && !fs::remove(entry.path(), error)) break;
   }
   if (error) fail_to_write(directory_ / frames_name, error.value());
+}
+
+void Surfaces::remove(const fs::path& directory) {
+  std::error_code error;
+  for (const char* name : {data_name, description_name, frames_name}) {
+    fs::remove_all(directory / name, error);
+    if (error) fail_to_write(directory / name, error.value());
+  }
+}
+
+void Surfaces::require(const fs::path& directory, const std::vector<Frame>& frames) {
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const fs::path file = directory / frame_file(n);
+    if (!fs::exists(file)) throw std::runtime_error(fmt::format("{} is missing", file.string()));
+    if (checksum_of(file) != frames[n].checksum)
+      throw std::runtime_error(fmt::format("{} has changed since it was written", file.string()));
+  }
 }
 
 void Surfaces::add(Frame frame) {
@@ -293,8 +312,9 @@ void Surfaces::add(Frame frame) {
 
 void Surfaces::write(double time, std::span<const SurfaceState> bodies, const FluidState* fluid) {
   check(time, bodies, fluid);
-  Frame written{time, fluid != nullptr, {}};
-  hdf5::write_file(directory_ / frame_file(frames_.size()), [&](hid_t frame) {
+  Frame written{time, fluid != nullptr, {}, 0};
+  NewFile out(directory_ / frame_file(frames_.size()));
+  hdf5::write_file(out, [&](hid_t frame) {
     write_attribute(frame, "time", time);
     write_attribute(frame, "time_units", time_field.unit);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -303,6 +323,8 @@ void Surfaces::write(double time, std::span<const SurfaceState> bodies, const Fl
     }
     if (fluid != nullptr) write_fluid(frame, *fluid);
   });
+  written.checksum = checksum_of(out, 0);
+  out.commit();
   add(std::move(written));
   write_overview();
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -47,7 +48,8 @@ struct Frame {
   };
   double time = 0;  ///< [W^2/nu]
   bool fluid = false;
-  std::vector<Given> bodies;  ///< besides the positions
+  std::vector<Given> bodies;   ///< besides the positions
+  std::uint64_t checksum = 0;  ///< of its file
 };
 
 /// Writes frames, one file each, run.h5 that shows them all, and run.xdmf that lets ParaView read
@@ -71,13 +73,20 @@ struct Frame {
 /// read while the run goes on, and whatever it ends by, they hold all frames that were whole.
 class Surfaces {
  public:
-  /// Goes on after `frames`, which are there already, and removes others. Throws OutputError;
-  /// std::runtime_error if one of them is missing; std::invalid_argument for names that repeat or
+  /// Goes on after `frames`, which are there already, and removes later ones. Throws OutputError;
+  /// std::invalid_argument for names that repeat or
   /// cannot stand in a path, a triangle that names no vertex, a channel of no size, or a lattice
   /// without nodes.
   Surfaces(std::filesystem::path directory, std::vector<SurfaceMesh> bodies, const Channel& channel,
            const std::optional<FluidLattice>& lattice = std::nullopt,
            std::vector<Frame> frames = {});
+
+  /// Throws std::runtime_error unless all frames that a run is to go on after are there, as they
+  /// were written. Reads them.
+  static void require(const std::filesystem::path& directory, const std::vector<Frame>& frames);
+
+  /// Removes all that this class writes. Throws OutputError.
+  static void remove(const std::filesystem::path& directory);
 
   /// Appends a frame: every body in order and, if `fluid` is given, the fluid (which may come less
   /// often than the bodies). Throws OutputError, or std::invalid_argument if a size does not fit,

@@ -67,6 +67,8 @@ Trajectory::Trajectory(std::filesystem::path file, std::vector<std::string> name
   };
   std::string text(kept.bytes, '\0');
   std::ifstream in(file_, std::ios::binary);
+  if (!in && std::filesystem::exists(file_))
+    throw OutputError(fmt::format("cannot read {}", file_.string()));
   if (!in.read(text.data(), static_cast<std::streamsize>(text.size())))
     refuse(fmt::format("has not the {} bytes that the checkpoint has seen in it", kept.bytes));
   checksum_.add(text.data(), text.size());
@@ -83,6 +85,16 @@ Trajectory::Trajectory(std::filesystem::path file, std::vector<std::string> name
   samples.clear();
   while (!rest.empty()) samples.push_back(parsed(next()));
   out_.emplace(file_, kept.bytes);
+}
+
+bool Trajectory::is_of(const std::filesystem::path& file, const std::vector<std::string>& names,
+                       const std::vector<bool>& capsules) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  if (!std::getline(in, line)) return true;  // none, or an empty one
+  // It may have died in the middle of the header.
+  const std::string expected = header(names, capsules);
+  return line == expected || (in.eof() && expected.starts_with(line));
 }
 
 void Trajectory::check_names() const {

@@ -38,6 +38,10 @@ class Trajectory {
   Trajectory(std::filesystem::path file, std::vector<std::string> names, std::vector<bool> capsules,
              const Extent& kept, std::vector<suspension::Sample>& samples);
 
+  /// Whether a file is there that this run may have begun, or none is.
+  static bool is_of(const std::filesystem::path& file, const std::vector<std::string>& names,
+                    const std::vector<bool>& capsules);
+
   /// Appends a line. The bodies are those of `names`, in their order. Throws OutputError, or
   /// std::invalid_argument if their number, or which of them are capsules, is another.
   void write(const suspension::Sample& sample);

@@ -12,9 +12,10 @@ namespace ductile::drivers {
 namespace {
 
 constexpr double interval = 0.1;  // seconds between two looks
-// What ends a run at its time needs: two checkpoints' time, the summary's, and the next look's.
+// What ends a run in time needs: the time of two checkpoints, of the steps until the next look, and
+// of summary and picture [s].
 constexpr double checkpoints_kept = 2;
-constexpr double end_kept = 1;
+constexpr double end_kept = 3;
 
 }  // namespace
 
@@ -32,7 +33,10 @@ Poll::Finding Poll::after_step() {
   std::array<int, 4> said = {signals_.stop(), 0, signals_.take_checkpoint() ? 1 : 0, 0};
   if (rank_in(comm_) == 0) {
     const double now = clock_();
-    if (now + checkpoints_kept * checkpoint_cost_ + end_kept >= end_) said[1] = 1;
+    const double until_next_look = 2 * (now - last_look_);
+    if (now + checkpoints_kept * checkpoint_cost_ + until_next_look + end_kept >= end_) said[1] = 1;
+    // One at the start shows what one costs.
+    if (end_ < std::numeric_limits<double>::infinity() && checkpoint_cost_ == 0) said[2] = 1;
     if (checkpoint_every_ > 0 && now - last_checkpoint_ >= checkpoint_every_) said[2] = 1;
     const double step = std::max((now - last_look_) / steps_between_, 1e-9);
     said[3] = static_cast<int>(std::clamp(interval / step, 1.0, 1e6));

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "scenario/errors.hpp"
+#include "scenario/reader.hpp"
+#include "scenario/writer.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -28,10 +30,16 @@ std::vector<bool> capsules(const Scenario& scenario) {
 // A part of the recorder's state as numbers, and back.
 using Numbers = std::vector<double>;
 
+// A checksum takes two numbers: a double holds 53 bits.
+constexpr std::uint64_t low_half = 0xffffffff;
+constexpr unsigned half_bits = 32;
+
 Numbers numbers_of(const std::vector<Frame>& frames) {
   Numbers numbers;
   for (const Frame& frame : frames) {
-    numbers.insert(numbers.end(), {frame.time, frame.fluid ? 1.0 : 0.0});
+    numbers.insert(numbers.end(), {frame.time, frame.fluid ? 1.0 : 0.0,
+                                   static_cast<double>(frame.checksum >> half_bits),
+                                   static_cast<double>(frame.checksum & low_half)});
     for (const Frame::Given& given : frame.bodies)
       numbers.push_back((given.velocity ? 1 : 0) + (given.force ? 2 : 0));
   }
@@ -39,11 +47,15 @@ Numbers numbers_of(const std::vector<Frame>& frames) {
 }
 
 std::vector<Frame> frames_of(const Numbers& numbers, std::size_t bodies) {
+  constexpr std::size_t head = 4;
   std::vector<Frame> frames;
-  for (std::size_t n = 0; n + 2 + bodies <= numbers.size(); n += 2 + bodies) {
-    Frame& frame = frames.emplace_back(Frame{numbers[n], numbers[n + 1] != 0, {}});
+  for (std::size_t n = 0; n + head + bodies <= numbers.size(); n += head + bodies) {
+    const auto high = static_cast<std::uint64_t>(numbers[n + 2]);
+    const auto low = static_cast<std::uint64_t>(numbers[n + 3]);
+    Frame& frame =
+        frames.emplace_back(Frame{numbers[n], numbers[n + 1] != 0, {}, (high << half_bits) | low});
     for (std::size_t b = 0; b < bodies; ++b) {
-      const int given = static_cast<int>(numbers[n + 2 + b]);
+      const int given = static_cast<int>(numbers[n + head + b]);
       frame.bodies.push_back({(given & 1) != 0, (given & 2) != 0});
     }
   }
@@ -116,33 +128,34 @@ std::vector<std::string> texts(const std::string& lines) {
   return all;
 }
 
-/// The lines of both that come after [run], which may differ: the first of those before and after
-/// it that are not the same, or nothing.
-std::optional<std::string> difference(const std::string& before, const std::string& now) {
-  const std::vector<std::string> a = texts(before);
-  const std::vector<std::string> b = texts(now);
-  std::string table;
-  std::size_t m = 0;
-  std::size_t n = 0;
-  const auto skip_limits = [](const std::vector<std::string>& lines, std::size_t& at) {
-    if (at < lines.size() && lines[at] == "[run]") {
-      do ++at;
-      while (at < lines.size() && !lines[at].starts_with('['));
-    }
-  };
+/// The first key whose value is another, and both values; nothing if all are the same. [run] may be
+/// another.
+std::optional<std::string> difference(const std::string& before, const Scenario& now) {
+  Scenario then = parse_scenario(Document(before, "scenario"));
+  then.run = now.run;
+  if (then == now) return std::nullopt;
+  if (then.bodies.size() != now.bodies.size())
+    return fmt::format("{} bodies where the run has {}", now.bodies.size(), then.bodies.size());
+  if (then.petsc != now.petsc) return "other options of PETSc than the run has";
+  const std::vector<std::string> a = texts(resolved_toml(then));
+  const std::vector<std::string> b = texts(resolved_toml(now));
   const auto value = [](const std::vector<std::string>& lines, std::size_t at) {
     return at < lines.size() ? lines[at].substr(0, lines[at].find("  ")) : "nothing";
   };
-  for (; m < a.size() || n < b.size(); ++m, ++n) {
-    skip_limits(a, m);
-    skip_limits(b, n);
-    if (m >= a.size() && n >= b.size()) break;
-    if (m < a.size() && a[m].starts_with('[')) table = a[m] + " ";
-    if (value(a, m) != value(b, n))
-      return fmt::format("{}{} where the run has {}", table, value(b, n), value(a, m));
+  std::string table;
+  for (std::size_t n = 0; n < std::max(a.size(), b.size()); ++n) {
+    if (n < a.size() && a[n].starts_with('[')) table = a[n] + " ";
+    if (value(a, n) != value(b, n))
+      return fmt::format("{}{} where the run has {}", table, value(b, n), value(a, n));
+    if (table == "[[body]] " && a[n].starts_with("name = ")) table += "of " + value(a, n) + ", ";
   }
-  return std::nullopt;
+  return "another scenario than the run's";
 }
+
+/// A checkpoint of a run with another scenario.
+struct OtherScenario : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 }  // namespace
 
@@ -172,42 +185,65 @@ Recorder::Recorder(const Case& given, const std::filesystem::path& directory,
       lateral_(given.plan.bodies.size(), SettlingWatch(rules::lateral)),
       strain_(given.plan.bodies.size(), SettlingWatch(rules::strain)),
       volume_error_(given.plan.bodies.size(), 0.0) {
-  bool any = false;
+  std::vector<std::filesystem::path> refused;
+  std::string other;  // what the latest has of another scenario
   for (const auto& file : {directory_.checkpoint(), directory_.checkpoint_before()}) {
     if (!std::filesystem::exists(file)) continue;
-    any = true;
     try {
       auto checkpoint = std::make_unique<Checkpoint>(file);
       go_on(*checkpoint);
       checkpoint_ = std::move(checkpoint);
       break;
-    } catch (const InputError&) {
-      throw;
+    } catch (const OtherScenario& difference) {
+      if (other.empty()) other = difference.what();
+      refused.push_back(file);
     } catch (const OutputError&) {
       throw;
-    } catch (const std::runtime_error& refused) {
-      say(stderr, "warning: {}\n", refused.what());
+    } catch (const std::runtime_error& reason) {
+      say(stderr, "warning: {}\n", reason.what());
+      refused.push_back(file);
     }
   }
-  if (any && !checkpoint_) {
+  if (!checkpoint_ && !other.empty()) {
+    throw InputError(fmt::format("{}: {}: of a run that goes on, [run] alone may be another",
+                                 directory_.scenario().string(), other));
+  }
+  if (!other.empty()) {
+    say(stderr, "warning: {} is of another run: its scenario has {}\n", refused.front().string(),
+        other);
+  }
+  if (!checkpoint_ && !refused.empty()) {
     throw CheckpointError(
         fmt::format("{}: no checkpoint is left that the run could go on from: start it anew with "
                     "`ductile run {} -o DIR`",
                     directory.string(), directory_.scenario().string()));
   }
+  const bool begun =
+      checkpoint_ ||
+      Trajectory::is_of(directory_.trajectory(), names(given.scenario), capsules(given.scenario));
+  if (!begun || (!checkpoint_ && std::filesystem::exists(directory_.summary()))) {
+    throw InputError(fmt::format(
+        "{}: has results, and no checkpoint of a run that could go on: start it anew with "
+        "`ductile run {} -o DIR`",
+        directory.string(), directory_.scenario().string()));
+  }
+  // The good one must not give way to a refused one when the next is written.
+  for (const auto& file : refused) std::filesystem::rename(file, directory_.checkpoint_refused());
   for (const std::string& warning : warnings) {
     if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
   }
+  // What came of the end before is not true any more.
+  for (const auto& file : {directory_.summary(), directory_.plot()}) std::filesystem::remove(file);
   directory_.write_scenario(scenario_text);
   if (checkpoint_) return;
+  say(stderr, "{}: has no checkpoint yet, and starts from t = 0\n", directory.string());
   trajectory_.emplace(directory_.trajectory(), names(given.scenario), capsules(given.scenario));
   if (frames_wanted()) make_surfaces({});
 }
 
 void Recorder::go_on(const Checkpoint& checkpoint) {
-  if (const auto other = difference(checkpoint.text("scenario"), scenario_text_)) {
-    throw InputError(fmt::format("{}: {}: of a run that goes on, [run] alone may be another",
-                                 directory_.scenario().string(), *other));
+  if (const auto other = difference(checkpoint.text("scenario"), given_.scenario)) {
+    throw OtherScenario(*other);
   }
   const Numbers steps = checkpoint.numbers("record/steps");
   if (steps.size() != 2)
@@ -222,10 +258,15 @@ void Recorder::go_on(const Checkpoint& checkpoint) {
       frames_of(checkpoint.numbers("record/frames"), given_.plan.bodies.size());
   Contacts contacts = contacts_of(checkpoint.numbers("record/contacts"));
   std::vector<std::string> warnings = texts(checkpoint.text("record/warnings"));
-  surfaces_.reset();
-  if (frames_wanted()) make_surfaces(std::move(frames));
+  // All is there, before anything that came later is cut off.
+  Surfaces::require(directory_.path(), frames);
   trajectory_.emplace(directory_.trajectory(), names(given_.scenario), capsules(given_.scenario),
                       rows, samples_);
+  if (frames_wanted()) {
+    make_surfaces(std::move(frames));
+  } else {  // a blow-up's
+    Surfaces::remove(directory_.path());
+  }
   contacts_ = std::move(contacts);
   warnings_ = std::move(warnings);
   course_ = std::move(course);
@@ -244,6 +285,11 @@ void Recorder::save(NewCheckpoint& checkpoint, const Course& course) {
   checkpoint.put("record/frames", surfaces_ ? numbers_of(surfaces_->frames()) : Numbers());
   checkpoint.put("record/contacts", numbers_of(contacts_));
   checkpoint.put("record/warnings", lines(warnings_));
+}
+
+void Recorder::write(const Summary& summary) {
+  trajectory_->flush();
+  write_summary(directory_.summary(), summary);
 }
 
 bool Recorder::frames_wanted() const {

@@ -79,7 +79,8 @@ class Recorder {
   /// What can be said of the run so far; `solvers` as of suspension::Suspension.
   [[nodiscard]] Summary summarise(RunStatus status,
                                   const std::vector<membrane::SolveStatistics>& solvers) const;
-  void write(const Summary& summary) const { write_summary(directory_.summary(), summary); }
+  /// Rows and frames are on the disk before. Throws OutputError.
+  void write(const Summary& summary);
 
  private:
   [[nodiscard]] CapsuleSummary summarise_capsule(std::size_t body,

@@ -47,8 +47,6 @@ enum Signal : int {
   failed_output,
 };
 
-constexpr const char* not_finite = "its density or velocity is no longer finite";
-
 Signal signal_of(Recorder::Finding finding) {
   if (finding == Recorder::Finding::too_far) return too_far;
   return finding == Recorder::Finding::decided ? decided : go_on;
@@ -62,10 +60,23 @@ Signal found_before(const Recorder& recorder, const Case& given) {
   return signal_of(recorder.found());
 }
 
-// The fluid has no finite state any more. Thrown on every rank.
-struct FluidFailure : std::runtime_error {
-  using std::runtime_error::runtime_error;
+// The state is not finite any more. Thrown on every rank; rank 0 knows of which body, or of the
+// fluid.
+struct StateFailure : std::runtime_error {
+  explicit StateFailure(std::string body_at_fault = "")
+      : std::runtime_error(body_at_fault.empty() ? "its density or velocity is no longer finite"
+                                                 : "its state is no longer finite"),
+        body(std::move(body_at_fault)) {}
+  std::string body;
 };
+
+/// The body of "state/body/NAME/...", or nothing.
+std::string body_of(std::string_view part) {
+  constexpr std::string_view before = "state/body/";
+  if (!part.starts_with(before)) return "";
+  part.remove_prefix(before.size());
+  return std::string(part.substr(0, part.find('/')));
+}
 
 ExitCode exit_code_of(RunStatus status) {
   switch (status) {
@@ -120,10 +131,10 @@ class Run {
   Signal poll();
   Signal save();
   Signal look_last();
+  bool step();
   void check_fluid();
   void report_unread_options();
   Leg leg();
-  RunResult end_at_wall(const coupling::BodyFailure& failure);
   RunResult end_by_blow_up(BlowUp blow_up);
   RunResult finish(RunStatus status, std::optional<BlowUp> blow_up);
 
@@ -145,14 +156,16 @@ class Run {
 
 // Rank 0 does the work, which may fail; every rank learns the outcome.
 Signal Run::on_root(const std::function<Signal()>& work) {
-  return static_cast<Signal>(drivers::on_root(suspension_.comm(), failed_output, [&]() -> int {
+  const int done = drivers::on_root(suspension_.comm(), failed_output, [&]() -> int {
     try {
       return work();
     } catch (...) {
       if (progress_) progress_->finish();
       throw;
     }
-  }));
+  });
+  if (watchdog_) watchdog_->tick(suspension_.steps());
+  return static_cast<Signal>(done);
 }
 
 // A refusal to overwrite is the user's to mend; anything else here is the system's.
@@ -181,16 +194,14 @@ int Run::open() {
 // The state of the checkpoint that rank 0 has found.
 int Run::take_over() {
   const int found = drivers::on_root(suspension_.comm(), exit_failure, [&]() -> int {
-    if (recorder_->checkpoint() != nullptr) return exit_success;
-    say(stderr, "{}: has no checkpoint yet, and starts from t = 0\n", options_.directory.string());
-    return -1;
+    return recorder_->checkpoint() != nullptr ? exit_success : -1;
   });
   if (found < 0) return exit_success;
   try {
     suspension_.load([&](std::string_view name, std::span<double> numbers) {
       recorder_->checkpoint()->read("state/" + std::string(name), numbers);
     });
-  } catch (const std::exception& error) {
+  } catch (const std::runtime_error& error) {
     if (recorder_) say(stderr, "ductile: {}\n", error.what());
     return exit_failure;
   }
@@ -201,6 +212,10 @@ int Run::take_over() {
     say(stderr, "goes on from t = {:.6g}, step {}, of {}\n", suspension_.time(),
         suspension_.steps(), recorder_->checkpoint()->path().string());
     recorder_->close_checkpoint();
+    if (suspension_.steps() > given_.schedule.end) {
+      recorder_->warn(fmt::format("the run was at t = {:.6g} already, beyond its time limit",
+                                  suspension_.time()));
+    }
   }
   fluid::mpi_check(MPI_Bcast(last.data(), 2, MPI_INT64_T, 0, suspension_.comm()), "MPI_Bcast");
   course_.last_row = last[0];
@@ -263,7 +278,7 @@ Signal Run::poll() {
   return found.checkpoint ? save() : go_on;
 }
 
-// Keeps the state. Collective. Throws FluidFailure.
+// Keeps the state. Collective. Throws StateFailure.
 Signal Run::save() {
   const double begun = Progress::steady_seconds();
   const Leg now = leg();
@@ -278,24 +293,24 @@ Signal Run::save() {
   if (signal != go_on) return signal;
   // One rank alone hears of what keeps it from being written.
   std::string refused;
-  bool finite = true;
+  std::optional<std::string> not_finite;
   try {
     suspension_.save([&](std::string_view name, std::span<const double> numbers) {
       checkpoint->put("state/" + std::string(name), numbers);
     });
-  } catch (const NotFinite&) {
-    finite = false;
-  } catch (const std::runtime_error& error) {
+  } catch (const NotFinite& part) {
+    not_finite = body_of(part.what());
+  } catch (const std::exception& error) {
     refused = error.what();
   }
   signal = on_root([&] {
-    if (!finite) return blown_up;
+    if (not_finite) return blown_up;
     if (!refused.empty()) throw OutputError(refused);
     checkpoint->commit(recorder_->directory().checkpoint_before());
     return go_on;
   });
   poll_->checkpoint_written(begun);
-  if (signal == blown_up) throw FluidFailure(not_finite);
+  if (signal == blown_up) throw StateFailure(not_finite.value_or(""));
   return signal;
 }
 
@@ -319,7 +334,7 @@ Leg Run::leg() {
 }
 
 void Run::check_fluid() {
-  if (!suspension_.finite()) throw FluidFailure(not_finite);
+  if (!suspension_.finite()) throw StateFailure();
 }
 
 // By the end of the first step every solver has read its options. Collective.
@@ -330,6 +345,24 @@ void Run::report_unread_options() {
   }
 }
 
+// False if a body has come to a wall: the coupler refuses such a step before it is begun, and there
+// is a state to show.
+bool Run::step() {
+  try {
+    suspension_.step();
+  } catch (const coupling::BodyFailure& failure) {
+    if (failure.cause() != coupling::BodyFailure::Cause::boundary) throw;
+    if (failure.step() == first_step_) report_unread_options();
+    contact_reason_ = fmt::format(
+        "body \"{}\", {}; if nothing drives it there it has become unstable: `ductile "
+        "check` tells the margins of stability",
+        given_.plan.bodies[static_cast<std::size_t>(failure.body())].name, failure.reason());
+    return false;
+  }
+  watchdog_->tick(suspension_.steps());
+  return true;
+}
+
 // Until the run is over; nothing where the output has failed, of which rank 0 has said why.
 std::optional<RunStatus> Run::loop() {
   Signal signal = look();
@@ -338,8 +371,10 @@ std::optional<RunStatus> Run::loop() {
   }
   if (signal == go_on) signal = poll();
   while (signal == go_on && suspension_.steps() < given_.schedule.end) {
-    suspension_.step();
-    watchdog_->tick();
+    if (!step()) {
+      signal = contact;
+      break;
+    }
     if (suspension_.steps() == first_step_ + 1) report_unread_options();
     if (suspension_.steps() % finite_interval == 0) check_fluid();
     signal = look();
@@ -349,7 +384,7 @@ std::optional<RunStatus> Run::loop() {
   // A run that goes on at once has nothing to see at its end.
   const bool goes_on = signal == interrupted || signal == walltime;
   if (signal != failed_output) {
-    if (signal == contact)
+    if (signal == contact && contact_reason_.empty())
       contact_reason_ = "surfaces have crossed; run.stop_at_contact = false lets a run go on";
     if ((goes_on ? save() : look_last()) == failed_output) signal = failed_output;
   }
@@ -381,14 +416,16 @@ RunResult Run::run() {
   constexpr double minute = 60;
   poll_.emplace(suspension_.comm(), Progress::steady_seconds, program_start(),
                 options_.max_walltime, minute * given_.scenario.run.checkpoint_every);
-  // Not by MPI, which may be what hangs; mpirun ends the others.
-  watchdog_.emplace(minute * given_.scenario.run.patience, [this] {
-    say(stderr,
+  // A rank alone waits for nobody. The line goes past all that the other thread may be at, and so
+  // does the end: MPI may be what hangs, and mpirun ends the others.
+  const double patience = suspension_.ranks() > 1 ? given_.scenario.run.patience : 0;
+  watchdog_.emplace(minute * patience, [this, patience](std::int64_t step) {
+    const std::string line = fmt::format(
         "ductile: rank {} has waited for another one since step {}, for the {:g} minutes of "
-        "run.patience: it has died, is stopped, or waits for a disk; `ductile resume {}` goes on "
-        "from the last checkpoint\n",
-        suspension_.rank(), suspension_.steps(), given_.scenario.run.patience,
-        options_.directory.string());
+        "run.patience: that one is stopped, or waits for a disk; `ductile resume` goes on from the "
+        "last checkpoint\n",
+        suspension_.rank(), step, patience);
+    static_cast<void>(write(STDERR_FILENO, line.data(), line.size()) > 0);
     std::_Exit(exit_failure);
   });
   try {
@@ -396,7 +433,6 @@ RunResult Run::run() {
     return status ? finish(*status, std::nullopt) : not_done(exit_failure);
   } catch (const coupling::BodyFailure& failure) {
     if (failure.step() == first_step_) report_unread_options();
-    if (failure.cause() == coupling::BodyFailure::Cause::boundary) return end_at_wall(failure);
     const auto body = static_cast<std::size_t>(failure.body());
     return end_by_blow_up({failure.step(),
                            given_.plan.bodies[body].name,
@@ -404,19 +440,10 @@ RunResult Run::run() {
                            failure.reason(),
                            {},
                            {}});
-  } catch (const FluidFailure& failure) {
-    return end_by_blow_up({suspension_.steps(), "", std::nullopt, failure.what(), {}, {}});
+  } catch (const StateFailure& failure) {
+    return end_by_blow_up(
+        {suspension_.steps(), failure.body, std::nullopt, failure.what(), {}, {}});
   }
-}
-
-// The coupler refuses a step before it is begun: there is a state to show.
-RunResult Run::end_at_wall(const coupling::BodyFailure& failure) {
-  contact_reason_ = fmt::format(
-      "body \"{}\", {}; if nothing drives it there it has become unstable: `ductile "
-      "check` tells the margins of stability",
-      given_.plan.bodies[static_cast<std::size_t>(failure.body())].name, failure.reason());
-  return look_last() == failed_output ? not_done(exit_failure)
-                                      : finish(RunStatus::contact, std::nullopt);
 }
 
 // The state as it is, for people to look at; the checkpoints stay what they were.

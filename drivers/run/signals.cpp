@@ -24,7 +24,12 @@ Signals::Signals() {
   action.sa_handler = note_signal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (std::size_t n = 0; n < signals.size(); ++n) sigaction(signals[n], &action, &before_[n]);
+  for (std::size_t n = 0; n < signals.size(); ++n) {
+    sigaction(signals[n], &action, &before_[n]);
+    // What runs in the background of a script is not to hear of the terminal.
+    if (signals[n] == SIGINT && before_[n].sa_handler == SIG_IGN)
+      sigaction(SIGINT, &before_[n], nullptr);
+  }
 }
 
 Signals::~Signals() {
@@ -39,13 +44,12 @@ int Signals::stop() const {
 }
 
 bool Signals::take_checkpoint() {
-  const bool requested = checkpoint_requested != 0;
+  if (checkpoint_requested == 0) return false;
   checkpoint_requested = 0;
-  return requested;
+  return true;
 }
 
 void prepare_signals() {
-  for (const int signal : {SIGUSR1, SIGUSR2}) std::signal(signal, note_signal);
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }
 

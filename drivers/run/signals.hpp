@@ -6,13 +6,13 @@
 
 namespace ductile::drivers {
 
-/// While it lives, signals are noted instead of obeyed:
-///   SIGTERM, SIGINT, SIGUSR2   the run is to end; a second SIGTERM or SIGINT ends the program at
-///   once SIGUSR1                    the run is to write a checkpoint and go on
-/// mpirun hands on SIGUSR1 and SIGUSR2 as they are; a SIGTERM or SIGINT that it gets itself becomes
-/// a SIGTERM, and a second later the end. The handlers that were there before come back at the end.
-/// One may live inside another, as a run does in a comparison: the outer one's notes are then the
-/// inner one's too.
+/// While it lives, signals are noted instead of obeyed. SIGTERM, SIGINT and SIGUSR2 ask the run to
+/// end; a second SIGTERM or SIGINT ends the program at once, and an ignored SIGINT stays so.
+/// SIGUSR1 asks for a checkpoint. mpirun hands on SIGUSR1 and SIGUSR2 as they are; of a SIGTERM or
+/// SIGINT that it gets itself it makes a SIGTERM, and a second later the end.
+///
+/// The handlers that were there before come back at the end. One may live inside another, as a
+/// run's does in the program's: the outer one's notes are then the inner one's too.
 class Signals {
  public:
   Signals();
@@ -30,8 +30,8 @@ class Signals {
   std::array<struct sigaction, signals.size()> before_{};
 };
 
-/// For the very start of the program: SIGUSR1 and SIGUSR2 are noted for a run that is still to
-/// come, and writing into a closed pipe or too large a file is an error like others.
+/// For the very start of the program: writing into a closed pipe or too large a file is an error
+/// like others.
 void prepare_signals();
 
 }  // namespace ductile::drivers

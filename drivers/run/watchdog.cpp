@@ -16,8 +16,7 @@ double processor_seconds() {
 
 }  // namespace
 
-Watchdog::Watchdog(double patience, std::function<void()> end)
-    : patience_(patience), end_(std::move(end)) {
+Watchdog::Watchdog(double patience, End end) : patience_(patience), end_(std::move(end)) {
   if (patience_ > 0) thread_ = std::thread([this] { watch(); });
 }
 
@@ -41,7 +40,7 @@ void Watchdog::watch() {
       seen = ticks;
       since = now;
     } else if (now - since >= patience_) {
-      end_();
+      end_(step_);
       return;
     }
   }

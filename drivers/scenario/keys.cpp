@@ -372,8 +372,9 @@ const std::vector<Key<RunLimits>>& run_keys() {
           "Interval of the clock on the wall between checkpoints, of which the last two are kept; "
           "0: only at the end and on SIGUSR1"),
       number("patience", &R::patience, between(0, 1e4), "minutes",
-             "A rank that has waited so long within one step, in processor time, ends the run: "
-             "another has died or is stopped; 0: never"),
+             "A rank that has waited so long within one step or one checkpoint, in processor time, "
+             "ends "
+             "the run: another is stopped, or the disk does not answer; 0: never"),
   };
   return keys;
 }

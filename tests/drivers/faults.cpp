@@ -7,6 +7,7 @@
 //               once: it fails, and the next ones do not
 //   FAULT_COUNT a file into which the number of operations is written at the end
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <cerrno>
 #include <climits>
 #include <csignal>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -108,6 +110,21 @@ ssize_t pwrite(int file, const void* data, std::size_t size, off_t at) {
 }
 ssize_t pwrite64(int file, const void* data, std::size_t size, off_t at) {
   return any_pwrite("pwrite64", file, data, size, at);
+}
+int ftruncate(int file, off_t size) {
+  return meet(
+      counted(file), [&] { return real<int (*)(int, off_t)>("ftruncate")(file, size); }, nothing);
+}
+// Of making a file, as for want of inodes.
+int open(const char* path, int flags, ...) {
+  std::va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(rest, mode_t) : 0;
+  va_end(rest);
+  const bool makes = (flags & O_CREAT) != 0 && access(path, F_OK) != 0;
+  return meet(
+      makes && counted(path),
+      [&] { return real<int (*)(const char*, int, ...)>("open")(path, flags, mode); }, nothing);
 }
 int fsync(int file) {
   return meet(

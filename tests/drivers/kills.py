@@ -66,7 +66,7 @@ def check_equal(a, b, story):
 shutil.rmtree(work, ignore_errors=True)
 os.makedirs(work)
 reference = os.path.join(work, "reference")
-counter = os.path.join(os.path.dirname(os.path.realpath(work)), "operations.txt")
+counter = os.path.realpath(work) + ".operations"
 begin = time.monotonic()
 subprocess.run(command(1, "run", scenario, "-o", reference), check=True, stdout=subprocess.DEVNULL,
                stderr=subprocess.DEVNULL,

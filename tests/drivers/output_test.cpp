@@ -567,9 +567,14 @@ TEST_F(SurfaceFiles, GoOnAfterTheFramesThatAreKnown) {
   EXPECT_THROW(surfaces.write(1, state), std::invalid_argument);
   surfaces.write(2, state);
   EXPECT_EQ(content(), straight);
+  write("frames/notes.txt", "mine");
+  EXPECT_NO_THROW(Surfaces::require(directory_, first));
+  std::string bytes = read(directory_ / "frames/000001.h5");
+  bytes[bytes.size() / 2] ^= 1;
+  write("frames/000001.h5", bytes);
+  EXPECT_THROW(Surfaces::require(directory_, first), std::runtime_error);
   fs::remove(directory_ / "frames/000001.h5");
-  EXPECT_THROW(Surfaces(directory_, meshes(), long_channel(), std::nullopt, first),
-               std::runtime_error);
+  EXPECT_THROW(Surfaces::require(directory_, first), std::runtime_error);
 }
 
 TEST_F(SurfaceFiles, RefuseWhatDoesNotFit) {

@@ -263,6 +263,13 @@ TEST_F(Program, ResumeTakesAFinishedRunFurtherAndRefusesAnother) {
   EXPECT_NE(another.errors.find("[channel] reynolds = 12.0 where the run has reynolds = 10.0"),
             std::string::npos)
       << another.errors;
+  // Results without a checkpoint are not started over.
+  fs::remove(work() / "long/checkpoint.h5");
+  fs::remove(work() / "long/checkpoint-before.h5");
+  EXPECT_EQ(run("resume long").exit_code, 2);
+  EXPECT_EQ(contents(work() / "long/trajectory.csv"), rows);
+  EXPECT_EQ(run("resume short --until ''").exit_code, 2);
+  EXPECT_EQ(run("resume ''").exit_code, 2);
   EXPECT_EQ(run("resume nowhere").exit_code, 2);
   EXPECT_EQ(run("resume short --until abc").exit_code, 2);
   EXPECT_EQ(run("resume short --max-walltime soon").exit_code, 2);

@@ -81,7 +81,7 @@ def wait_for(path):
 
 short = ["--set", "run.time_limit=0.25"]
 reference = os.path.join(work, "reference")
-counter = os.path.join(work, "..", "operations.txt")
+counter = work + ".operations"
 code, text = run(1, "run", scenario, *short, "-o", reference, LD_PRELOAD=faults,
                  FAULT_PATH=work, FAULT_COUNT=counter)
 expect(code == 0, text)
@@ -131,7 +131,7 @@ for ranks, sent, expected in ((1, signal.SIGTERM, 5), (1, signal.SIGINT, 5), (1,
     expect(took < 10, *story)
     expect(summary(directory)["status"] == "interrupted", *story)
     wait_for(os.path.join(directory, "trajectory.png"))
-    code, text = run(1, "resume", directory, "--max-walltime", "1.5s")
+    code, text = run(1, "resume", directory, "--max-walltime", "5s")
     expect(code == 6 and "its time is used up" in text, f"code {code}", text)
     expect(summary(directory)["status"] == "walltime" and len(summary(directory)["legs"]) == 2,
            text)

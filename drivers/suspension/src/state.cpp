@@ -26,22 +26,38 @@ class Failure {
   void guard(const std::function<void()>& work) {
     try {
       work();
-    } catch (...) {
-      if (!first_) first_ = std::current_exception();
+    } catch (const std::exception& error) {
+      if (first_ && !elsewhere_) return;
+      first_ = std::current_exception();
+      elsewhere_ = dynamic_cast<const Elsewhere*>(&error) != nullptr;
+      text_ = error.what();
     }
   }
   [[nodiscard]] bool any() const { return first_ != nullptr; }
 
-  /// Throws on all ranks if any has failed. Collective.
-  void settle(MPI_Comm comm, const char* elsewhere) const {
-    int failed = first_ ? 1 : 0;
-    mpi_check(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm), "MPI_Allreduce");
-    if (first_) std::rethrow_exception(first_);
-    if (failed != 0) throw Elsewhere(elsewhere);
+  /// Throws on all ranks if any has failed: where it has, what it was, elsewhere its text.
+  /// Collective.
+  void settle(MPI_Comm comm) const {
+    int rank = 0;
+    int size = 0;
+    mpi_check(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
+    mpi_check(MPI_Comm_size(comm, &size), "MPI_Comm_size");
+    int first = first_ && !elsewhere_ ? rank : size;
+    mpi_check(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm), "MPI_Allreduce");
+    if (first == size) return;
+    std::string text = rank == first ? text_ : "";
+    int length = static_cast<int>(text.size());
+    mpi_check(MPI_Bcast(&length, 1, MPI_INT, first, comm), "MPI_Bcast");
+    text.resize(static_cast<std::size_t>(length));
+    mpi_check(MPI_Bcast(text.data(), length, MPI_CHAR, first, comm), "MPI_Bcast");
+    if (first_ && !elsewhere_) std::rethrow_exception(first_);
+    throw std::runtime_error(text);
   }
 
  private:
   std::exception_ptr first_;
+  bool elsewhere_ = false;  // it is another rank's failure that this one has met
+  std::string text_;
 };
 
 // What ranks tell each other of a part, ahead of its numbers. A name of no length ends a body.
@@ -140,7 +156,7 @@ void Suspension::save(const StateWriter& write) {
       }
     }
   }
-  failure.settle(comm(), "the state could not be saved on another rank");
+  failure.settle(comm());
 }
 
 void Suspension::load(const StateReader& read) {
@@ -174,8 +190,7 @@ void Suspension::load(const StateReader& read) {
   };
   failure.guard([&] { fluid_.load(of_fluid); });
 
-  for (Owned& owned : bodies_) {
-    if (!root) break;
+  for (const Owned& owned : root ? std::span<const Owned>(bodies_) : std::span<const Owned>()) {
     const std::string prefix = "body/" + plan_.bodies[owned.index].name + "/";
     failure.guard([&] {
       owned.body->load([&](std::string_view name, std::span<double> numbers) {
@@ -217,7 +232,7 @@ void Suspension::load(const StateReader& read) {
     }
   }
   coupler_->bodies_replaced();
-  failure.settle(comm(), "the state could not be loaded on another rank");
+  failure.settle(comm());
 }
 
 }  // namespace ductile::suspension
