@@ -193,9 +193,11 @@ Outlook outlook_by(const UniformSeries& series, std::size_t last, const Settling
     return out;
   }
   compare(out, series, last, window, settling.shift);
+  const double most_error =
+      out.state == Outlook::State::dying ? settling.dying_error : settling.error;
   out.on_course = out.departure <= settling.departure * unit + departure_fraction * out.band;
   out.settled = out.on_course && std::abs(out.remaining) <= settling.remaining * unit &&
-                out.error <= settling.error * unit;
+                out.error <= most_error * unit;
   return out;
 }
 

@@ -57,7 +57,8 @@ struct Settling {
   double shift = 0;        ///< between successive means [W^2/nu]
   double rest = 0;         ///< change per shift that counts as none
   double remaining = 0;    ///< change still to come that may be ignored
-  double error = 0;        ///< largest error of a limit
+  double error = 0;        ///< largest error of a limit at which it rests
+  double dying_error = 0;  ///< ... and of one that it approaches
   double departure = 0;    ///< from the range of values before, and a fifth of that range
   bool relative = false;
   double floor = 0;

@@ -40,13 +40,15 @@ constexpr double quiet_intervals = 1.5;
 
 /// dz: means over two of the oscillation periods met (8 to 14), or three; less than 0.003 per unit
 /// of time is rest (10 W would take 3000); a quarter of the initial distance may still be to come;
-/// a limit is known to one and a half of a particle's radius.
+/// a limit is known to one and a half of a particle's radius, or where it is approached to a little
+/// less, since a drift that slows down looks like an approach.
 constexpr Settling distance{.window = 20,
                             .long_window = 30,
                             .shift = 10,
                             .rest = 0.03,
                             .remaining = 0.25,
                             .error = 0.6,
+                            .dying_error = 0.5,
                             .departure = 0.01};
 /// x: as dz; a third of the drift is rest, and a twentieth of W may still be to come (migration
 /// takes e-folding times of 12 to 15).
@@ -56,6 +58,7 @@ constexpr Settling lateral{.window = 20,
                            .rest = 0.01,
                            .remaining = 0.05,
                            .error = unlimited,
+                           .dying_error = unlimited,
                            .departure = 0.01};
 /// E_s: 5% in 5 units of time is rest, 10% may be to come. Strain that the kernel cannot see grows
 /// several-fold in that time. The floor is 1% of a capsule of La = 100 at its place off the centre.
@@ -65,6 +68,7 @@ constexpr Settling strain{.window = 10,
                           .rest = 0.05,
                           .remaining = 0.10,
                           .error = unlimited,
+                          .dying_error = unlimited,
                           .departure = unlimited,
                           .relative = true,
                           .floor = 2e-5};
@@ -87,7 +91,7 @@ constexpr double lasting_part = 2.0 / 3;
 /// The midline of dz may move, in the last period of a decaying oscillation, by at most this
 /// fraction of the last swing and at this rate [nu/W], since it settles along with the swings ...
 constexpr double midline_fraction = 0.35;
-constexpr double settling_midline = 0.0075;
+constexpr double settling_midline = 0.006;
 /// ... and at this rate for certain in one that lasts.
 constexpr double lasting_midline = 0.005;
 /// The same for x, in either [nu/W].

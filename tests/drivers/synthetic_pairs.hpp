@@ -44,6 +44,11 @@ class Dice {
     return std::exp(uniform(std::log(low), std::log(high)));
   }
   double sign() { return uniform(0, 1) < 0.5 ? -1 : 1; }
+  /// Of either sign. Calls of dice in one expression would be drawn in an order of the compiler's.
+  double signed_uniform(double low, double high) {
+    const double side = sign();
+    return side * uniform(low, high);
+  }
   int below(int n) { return static_cast<int>(uniform(0, n)); }
 
  private:
@@ -197,10 +202,9 @@ inline SyntheticPair random_pair(Kind kind, Dice& dice) {
       p.decays[1] = {-dice.uniform(1, 2), dice.uniform(2, 6)};
       break;
     case Kind::approaches:
-      p.decays[0] = {dice.sign() * dice.uniform(0.4, 4), dice.uniform(15, 40)};
+      p.decays[0] = {dice.signed_uniform(0.4, 4), dice.uniform(15, 40)};
       if (dice.below(4) == 0) {
-        p.decays[0] = {dice.sign() * dice.uniform(0.4, 2), dice.uniform(5, 20),
-                       dice.uniform(0.5, 3)};
+        p.decays[0] = {dice.signed_uniform(0.4, 2), dice.uniform(5, 20), dice.uniform(0.5, 3)};
       }
       p.limit = std::max(p.limit, 0.7 - p.decays[0].scale);
       break;
@@ -234,17 +238,20 @@ inline SyntheticPair random_pair(Kind kind, Dice& dice) {
         p.envelope = {dice.uniform(0.3, 1), -dice.uniform(15, 60)};
       } else {
         if (dice.below(2) == 0) p.envelope = {1, dice.uniform(8, 60)};
-        p.drift = random_drift(dice, dice.uniform(0, 35), dice.sign());
+        const double onset = dice.uniform(0, 35);
+        p.drift = random_drift(dice, onset, dice.sign());
         p.limit = dice.uniform(2, 5);
       }
       break;
     case Kind::migrates:
-      p.x_rate[static_cast<std::size_t>(dice.below(2))] = dice.sign() * dice.uniform(0.003, 0.006);
+      p.x_rate[static_cast<std::size_t>(dice.below(2))] = dice.signed_uniform(0.003, 0.006);
       break;
-    case Kind::leaves:
-      p.drift = random_drift(dice, dice.uniform(30, 45), dice.sign());
+    case Kind::leaves: {
+      const double onset = dice.uniform(30, 45);
+      p.drift = random_drift(dice, onset, dice.sign());
       p.limit = dice.uniform(1, 5);
       break;
+    }
   }
   return p;
 }

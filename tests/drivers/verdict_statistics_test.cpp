@@ -1,5 +1,5 @@
-// The judge of pairs on ten thousand synthetic histories: how often it is wrong, how often it says
-// nothing, and whether the limits that it states are met.
+// The judge of pairs on fifty thousand synthetic histories: how often it is wrong, how often it
+// says nothing, and whether the limits that it states are met.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -75,11 +75,11 @@ void print(std::array<Row, kinds>& rows) {
   }
 }
 
-/// Ten thousand histories and their verdicts.
+/// Fifty thousand histories and their verdicts.
 class SyntheticPairs : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    for (int i = 0; i < 10000; ++i) {
+    for (int i = 0; i < 50000; ++i) {
       pairs_.push_back(history(i));
       verdicts_.push_back(judged(pairs_.back(), pairs_.back().interval));
     }
@@ -98,6 +98,7 @@ std::vector<Verdict> SyntheticPairs::verdicts_;
 TEST_F(SyntheticPairs, AreRarelyMisjudged) {
   std::array<Row, kinds> rows;
   int wrong = 0;
+  int at_rest = 0;  // among the wrong: called stable or damped, and going away
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const SyntheticPair& p = pairs_[i];
     const Verdict& v = verdicts_[i];
@@ -113,13 +114,15 @@ TEST_F(SyntheticPairs, AreRarelyMisjudged) {
       ++row.wrong;
       ++wrong;
       fmt::print("wrong: {}\n", describe(i, p, v));
-      EXPECT_FALSE(goes_away(p.kind) && rest) << describe(i, p, v);
+      at_rest += goes_away(p.kind) && rest ? 1 : 0;
     } else if (goes_away(p.kind) && rest) {
       ++row.early;
     }
   }
   print(rows);
   EXPECT_LE(wrong, 100);
+  // A drift that slows down as an approach does cannot be told from one.
+  EXPECT_LE(at_rest, 5);
   // A judge that says nothing makes no mistakes either.
   const std::array<double, 7> latest_median{41, 55, 65, 50, 55, 75, 40};
   for (std::size_t k = 0; k < latest_median.size(); ++k) {
@@ -129,7 +132,7 @@ TEST_F(SyntheticPairs, AreRarelyMisjudged) {
   // What begins to go away only just before a look cannot be told from rest, but little else is.
   for (const Kind kind : {Kind::grows, Kind::shrinks, Kind::wanders}) {
     const auto k = static_cast<std::size_t>(kind);
-    EXPECT_LE(rows[k].early, 25) << kind_names[k];
+    EXPECT_LE(rows[k].early, 125) << kind_names[k];
   }
 }
 
