@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   if (rank == 0 && stdout_lost()) {
     say(stderr, "ductile: not all that was to be said on stdout could be written there\n");
     if (exit_code == exit_success) exit_code = exit_failure;
-    static_cast<void>(std::freopen("/dev/null", "w", stdout));
+    if (std::freopen("/dev/null", "w", stdout) == nullptr) return exit_code;
   }
   if (PetscFinalize() != 0) return exit_failure;
   // Starting a process is safe only now that MPI is down.

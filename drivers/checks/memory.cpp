@@ -56,9 +56,10 @@ double group_allows() {
     std::string group = "/sys/fs/cgroup" + line.substr(3);
     while (group.size() >= std::string("/sys/fs/cgroup").size()) {
       const double most = number_in(group + "/memory.max");
-      if (most < unlimited)
+      if (most < unlimited) {
         least = std::min(least, most - number_in(group + "/memory.current") +
                                     entry(group + "/memory.stat", "inactive_file "));
+      }
       group.resize(group.rfind('/'));
     }
   }

@@ -124,7 +124,7 @@ TEST(BlowUpOfTheFluid, IsWhereItBegan) {
     }
     const BlowUp found = explained({100, "", std::nullopt, "", {}, {}}, given, {}, fluid, {}, {});
     ASSERT_TRUE(found.place);
-    Eigen::Vector3d expected = given.plan.units.position({5, 5, from});
+    Eigen::Vector3d expected = given.plan.units.position(Eigen::Vector3d(5, 5, from));
     const double length = given.plan.units.length(given.plan.length());
     expected.z() -= length * std::floor(expected.z() / length + 0.5);
     EXPECT_NEAR((*found.place - expected).norm(), 0, 1e-12) << from;

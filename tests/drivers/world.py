@@ -17,6 +17,7 @@ import time
 program, mpiexec, faults, scenario, work = sys.argv[1:6]
 every_write = "--all" in sys.argv
 environment = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM"))}
+signal.signal(signal.SIGINT, signal.default_int_handler)  # children hear of it in any case
 shutil.rmtree(work, ignore_errors=True)
 os.makedirs(work)
 work = os.path.realpath(work)
