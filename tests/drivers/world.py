@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """A run in a world where disks are full, signals come, and others want the same directory.
 
-    world.py PROGRAM MPIEXEC FAULTS SCENARIO WORK [--all]
+    world.py PROGRAM MPIEXEC FAULTS SCENARIO WORK [N]
 
-FAULTS is preloaded to make writes fail. --all tries every write in turn instead of a few.
+FAULTS is preloaded to make operations on files fail: every N-th in turn, or a dozen of them.
 """
 import filecmp
 import json
@@ -15,7 +15,6 @@ import sys
 import time
 
 program, mpiexec, faults, scenario, work = sys.argv[1:6]
-every_write = "--all" in sys.argv
 environment = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM"))}
 signal.signal(signal.SIGINT, signal.default_int_handler)  # children hear of it in any case
 shutil.rmtree(work, ignore_errors=True)
@@ -91,11 +90,11 @@ with open(counter, encoding="ascii") as file:
 
 # A disk that is full, from some write on or at one alone: the run ends with a word, and goes on when
 # there is room.
-step = 1 if every_write else max(1, operations // 12)
+step = int(sys.argv[6]) if len(sys.argv) > 6 else max(1, operations // 12)
 tried = 0
 for ranks in (1, 2):
     for at in range(1, operations + 1, step):
-        for kind in ("full", "once") if every_write or at % 2 else ("full",):
+        for kind in ("full", "once") if at % 2 else ("full",):
             directory = fresh("disk")
             code, text = run(ranks, "run", scenario, *short, "-o", directory, LD_PRELOAD=faults,
                              FAULT_PATH=directory, FAULT_KIND=kind, FAULT_AT=str(at))
