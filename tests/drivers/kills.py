@@ -99,7 +99,7 @@ while killed < kills:
             except subprocess.TimeoutExpired:
                 kill_all(process.pid)
         try:
-            said = process.communicate(timeout=120)[0]
+            said = process.communicate(timeout=300)[0]
         except subprocess.TimeoutExpired:
             kill_all(process.pid)
             sys.exit(f"{story}: {arguments} on {ranks} ranks hangs")
