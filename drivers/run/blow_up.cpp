@@ -36,9 +36,11 @@ std::optional<Eigen::Vector3d> middle_of_trouble(const Plan& plan,
     if (std::isfinite(fluid.density[n] + u)) continue;
     const auto nz = static_cast<std::size_t>(nodes[2]);
     const auto ny = static_cast<std::size_t>(nodes[1]);
-    const auto k = static_cast<double>(n % nz);
-    sum += Eigen::Vector3d(static_cast<double>(n / nz / ny), static_cast<double>(n / nz % ny), 0);
-    around += std::polar(1.0, 2 * std::numbers::pi * k / nodes[2]);
+    const std::size_t i = n / nz / ny;
+    const std::size_t j = n / nz % ny;
+    const std::size_t k = n % nz;
+    sum += Eigen::Vector3d(static_cast<double>(i), static_cast<double>(j), 0);
+    around += std::polar(1.0, 2 * std::numbers::pi * static_cast<double>(k) / nodes[2]);
     ++count;
   }
   if (count == 0 || count == size) return std::nullopt;

@@ -3,7 +3,7 @@
 
     world.py PROGRAM MPIEXEC FAULTS SCENARIO WORK [N]
 
-FAULTS is preloaded to make operations on files fail: every N-th in turn, or a dozen of them.
+FAULTS is preloaded to make operations on files fail: every N-th in turn, or a handful of them.
 """
 import filecmp
 import json
@@ -90,7 +90,7 @@ with open(counter, encoding="ascii") as file:
 
 # A disk that is full, from some write on or at one alone: the run ends with a word, and goes on when
 # there is room.
-step = int(sys.argv[6]) if len(sys.argv) > 6 else max(1, operations // 12)
+step = int(sys.argv[6]) if len(sys.argv) > 6 else max(1, operations // 5)
 tried = 0
 for ranks in (1, 2):
     for at in range(1, operations + 1, step):
