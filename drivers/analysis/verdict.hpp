@@ -48,7 +48,7 @@ constexpr Settling distance{.window = 20,
                             .rest = 0.03,
                             .remaining = 0.25,
                             .error = 0.6,
-                            .dying_error = 0.5,
+                            .dying_error = 0.52,
                             .departure = 0.01};
 /// x: as dz; a third of the drift is rest, and a twentieth of W may still be to come (migration
 /// takes e-folding times of 12 to 15).
@@ -91,7 +91,7 @@ constexpr double lasting_part = 2.0 / 3;
 /// The midline of dz may move, in the last period of a decaying oscillation, by at most this
 /// fraction of the last swing and at this rate [nu/W], since it settles along with the swings ...
 constexpr double midline_fraction = 0.35;
-constexpr double settling_midline = 0.006;
+constexpr double settling_midline = 0.0075;
 /// ... and at this rate for certain in one that lasts.
 constexpr double lasting_midline = 0.005;
 /// The same for x, in either [nu/W].
