@@ -209,7 +209,7 @@ Recorder::Recorder(const Case& given, const std::filesystem::path& directory,
                                  directory_.scenario().string(), other));
   }
   if (!other.empty()) {
-    say(stderr, "warning: {} is of another run: its scenario has {}\n", refused.front().string(),
+    say(stderr, "warning: {} is of another run: scenario.toml has {}\n", refused.front().string(),
         other);
   }
   if (!checkpoint_ && !refused.empty()) {
