@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <sstream>
 
 #include "output/run_directory.hpp"
 #include "scenario/text.hpp"
+#include "scenario/writer.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -71,6 +73,24 @@ std::vector<Override> ScenarioArguments::overrides() const {
     overrides.insert(overrides.end(), entries.begin(), entries.end());
   }
   return overrides;
+}
+
+std::string run_name(const std::string& name, const Scenario& scenario,
+                     const std::vector<Override>& overrides) {
+  const auto values = parameters(scenario);
+  std::string all = name;
+  for (const auto& [key, value] : values) {
+    const bool given = std::ranges::find(overrides, key, &Override::key) != overrides.end();
+    if (!given || key.find('.') == std::string::npos || key.starts_with("run.") ||
+        key.starts_with("output.") || key.starts_with("petsc."))
+      continue;
+    all += '_' + short_name(key) + '_' + short_value(value);
+  }
+  constexpr std::size_t longest = 200;  // of 255 that a file's name may have
+  if (all.size() > longest)
+    throw InputError(fmt::format("{}: too long for a directory's name: choose one with -o",
+                                 shortened(all, longest)));
+  return all;
 }
 
 void OutputArguments::declare(CLI::App& command, const std::string& usual) {

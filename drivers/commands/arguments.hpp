@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scenario/document.hpp"
+#include "scenario/scenario.hpp"
 
 namespace ductile::drivers {
 
@@ -21,6 +22,13 @@ class ScenarioArguments {
   std::vector<std::string> sets_;
   std::vector<std::string> petsc_;
 };
+
+/// What a run's usual directory is called: NAME, and behind it the keys of the system that were
+/// given another value and what that is, such as NAME_nodes_24_lag-x_0.1, so that two runs of one
+/// scenario do not meet; [run], [output] and [petsc] make it no other system. Throws InputError if
+/// the name gets too long for a file.
+std::string run_name(const std::string& name, const Scenario& scenario,
+                     const std::vector<Override>& overrides);
 
 /// -o and --force: where results go.
 class OutputArguments {

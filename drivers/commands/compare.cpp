@@ -180,12 +180,12 @@ CompareCommand::Request CompareCommand::prepare() const {
     request.cases.emplace_back(name,
                                with_integrator(text, file_, overrides, scenario.bodies, name));
   }
-  request.directory =
-      output_.directory(std::filesystem::path("runs") / (scenario.name + "_compare"));
+  request.directory = output_.directory(
+      std::filesystem::path("runs") / (run_name(scenario.name, scenario, overrides) + "_compare"));
   return request;
 }
 
-int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
+int CompareCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
   Variants variants;
   const Ranks ranks = ranks_of(comm);
   const int code = with_input(comm, [&] {
@@ -216,8 +216,8 @@ int CompareCommand::execute(MPI_Comm comm, Pictures& pictures) {
   }
   if (rank_in(comm) == 0) {
     for (const std::string& name : results.finished)
-      pictures.trajectories.push_back(variants.directory / name);
-    if (has_results(results.exit_code)) pictures.comparisons.push_back(variants.directory);
+      afterwards.trajectories.push_back(variants.directory / name);
+    if (has_results(results.exit_code)) afterwards.comparisons.push_back(variants.directory);
   }
   return results.exit_code;
 }

@@ -46,7 +46,7 @@ CLI::App* PairCommand::declare(CLI::App& program) {
                           ->type_name("NUMBER")
                           ->required(shorthand.option == "--x-lag");
   }
-  declare_shared(*command, "runs/CASE_x-lag_X by default");
+  declare_shared(*command, "runs/CASE_x-lag_X by default, with what else was changed");
   return command;
 }
 
@@ -61,9 +61,10 @@ SingleRun::Request PairCommand::prepare() const {
   for (Override& override : scenario().overrides()) overrides.push_back(std::move(override));
   Request request{parse_case(pair_scenario(pair_), pair_ + ".toml", overrides), {}};
   const Scenario& resolved = request.given.scenario;
+  const std::string name = fmt::format("{}_x-lag_{}", resolved.name, resolved.bodies.at(1).x);
+  std::erase_if(overrides, [](const Override& given) { return given.key == "body.lag.x"; });
   request.directory =
-      output().directory(std::filesystem::path("runs") /
-                         fmt::format("{}_x-lag_{}", resolved.name, resolved.bodies.at(1).x));
+      output().directory(std::filesystem::path("runs") / run_name(name, resolved, overrides));
   return request;
 }
 

@@ -205,6 +205,17 @@ void write_attribute(hid_t object, const char* name, std::string_view text) {
   check(H5Awrite(attribute, type, text.data()), name, object);
 }
 
+void write_long_attribute(hid_t object, const char* name, const std::string& text) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, name);
+  check(H5Tset_size(type, H5T_VARIABLE), name);
+  check(H5Tset_cset(type, H5T_CSET_UTF8), name);
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, name);
+  Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name,
+                   object);
+  const char* begin = text.c_str();
+  check(H5Awrite(attribute, type, &begin), name, object);
+}
+
 void write_attribute(hid_t object, const char* name, double value) {
   Handle space(H5Screate(H5S_SCALAR), H5Sclose, name);
   Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT),

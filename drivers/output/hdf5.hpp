@@ -104,6 +104,8 @@ void create_link(hid_t parent, const std::string& name, const std::string& file)
 
 void write_attribute(hid_t object, const char* name, std::string_view text);
 void write_attribute(hid_t object, const char* name, double value);
+/// A text of any length: an attribute of a fixed one holds 64 kB at most.
+void write_long_attribute(hid_t object, const char* name, const std::string& text);
 /// A text; empty if there is none of that name.
 std::string read_attribute(hid_t object, const char* name);
 

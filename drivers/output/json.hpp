@@ -57,6 +57,8 @@ class Json {
     for (const double value : values) text += (text.empty() ? "" : ", ") + number(value);
     put(key, '[' + text + ']');
   }
+  /// A value that is JSON already.
+  void add_json(std::string_view key, std::string_view value) { put(key, value); }
   template <typename T>
   void add(std::string_view key, const std::optional<T>& value) {
     value ? add(key, *value) : put(key, "null");

@@ -136,6 +136,9 @@ std::string to_json(const Summary& summary) {
   json.open('[', "warnings");
   for (const auto& warning : summary.warnings) json.add({}, warning);
   json.close(']');
+  json.open('{', "parameters");
+  for (const auto& [key, value] : summary.parameters) json.add_json(key, value);
+  json.close('}');
   json.add("wall_time_s", summary.wall_time);
   json.add("updates_per_second", summary.updates_per_second);
   json.add("ranks", summary.ranks);

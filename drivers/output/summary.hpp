@@ -71,6 +71,8 @@ struct ContactSummary {
 
 struct Summary {
   std::string scenario;  ///< name or file
+  /// Keys of the scenario and their values, as JSON.
+  std::vector<std::pair<std::string, std::string>> parameters;
   RunStatus status = RunStatus::finished;
   std::optional<BlowUp> blow_up;
   int signal = 0;              ///< that has ended the run, if one has

@@ -227,11 +227,13 @@ double centre_z(std::span<const double> position) {
 }  // namespace
 
 Surfaces::Surfaces(fs::path directory, std::vector<SurfaceMesh> bodies, const Channel& channel,
-                   const std::optional<FluidLattice>& lattice, std::vector<Frame> frames)
+                   const std::optional<FluidLattice>& lattice, std::vector<Frame> frames,
+                   std::string scenario)
     : directory_(std::move(directory)),
       bodies_(std::move(bodies)),
       channel_(channel),
       lattice_(lattice),
+      scenario_(std::move(scenario)),
       grids_(bodies_.size() + 2) {
   if (!(channel_.half_width_y > 0) || !(channel_.length > 0)) {
     throw std::invalid_argument(fmt::format("channel of half-width {} along y, length {}",
@@ -339,6 +341,9 @@ void Surfaces::flush() {
 // What run.xdmf names is there before it is named.
 void Surfaces::write_overview() const {
   hdf5::write_file(directory_ / data_name, [this](hid_t file) {
+    if (!scenario_.empty()) hdf5::write_long_attribute(file, "scenario", scenario_);
+    write_attribute(file, "version", DUCTILE_VERSION);
+    if (lattice_) write_attribute(file, "spacing", lattice_->spacing);
     write_channel(file, channel_);
     Handle group = create_group(file, "bodies");
     for (const auto& body : bodies_) {

@@ -61,7 +61,8 @@ struct Frame {
 ///     /frames/000000/NAME/                 attribute z_offset [W]
 ///     /frames/000000/NAME/position         double [n, 3], and velocity, force where given
 ///     /frames/000000/fluid/density         float [nz, ny, nx], velocity [nz, ny, nx, 3]
-/// with the unit of each as its attribute `units`, and in run.xdmf in its name.
+/// with the unit of each as its attribute `units`, and in run.xdmf in its name. Attributes of the
+/// root: `scenario`, the TOML that was run; `version` of ductile; `spacing` of the lattice [W].
 ///
 /// All lie in the channel's frame, z in [-L/2, L/2), L its length. A body travels far down the
 /// periodic channel: each is shown whole, moved back by its own z_offset, the multiple of L that
@@ -79,7 +80,7 @@ class Surfaces {
   /// without nodes.
   Surfaces(std::filesystem::path directory, std::vector<SurfaceMesh> bodies, const Channel& channel,
            const std::optional<FluidLattice>& lattice = std::nullopt,
-           std::vector<Frame> frames = {});
+           std::vector<Frame> frames = {}, std::string scenario = "");
 
   /// Throws std::runtime_error unless all frames that a run is to go on after are there, as they
   /// were written. Reads them.
@@ -111,6 +112,7 @@ class Surfaces {
   std::vector<SurfaceMesh> bodies_;
   Channel channel_;
   std::optional<FluidLattice> lattice_;
+  std::string scenario_;
   std::vector<Frame> frames_;
   std::size_t flushed_ = 0;  // so many of them are on the disk
   // XDMF of all frames so far: of the channel, of each body, of the fluid.

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "scenario/difference.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/reader.hpp"
 #include "scenario/writer.hpp"
@@ -128,30 +129,6 @@ std::vector<std::string> texts(const std::string& lines) {
   return all;
 }
 
-/// The first key whose value is another, and both values; nothing if all are the same. [run] may be
-/// another.
-std::optional<std::string> difference(const std::string& before, const Scenario& now) {
-  Scenario then = parse_scenario(Document(before, "scenario"));
-  then.run = now.run;
-  if (then == now) return std::nullopt;
-  if (then.bodies.size() != now.bodies.size())
-    return fmt::format("{} bodies where the run has {}", now.bodies.size(), then.bodies.size());
-  if (then.petsc != now.petsc) return "other options of PETSc than the run has";
-  const std::vector<std::string> a = texts(resolved_toml(then));
-  const std::vector<std::string> b = texts(resolved_toml(now));
-  const auto value = [](const std::vector<std::string>& lines, std::size_t at) {
-    return at < lines.size() ? lines[at].substr(0, lines[at].find("  ")) : "nothing";
-  };
-  std::string table;
-  for (std::size_t n = 0; n < std::max(a.size(), b.size()); ++n) {
-    if (n < a.size() && a[n].starts_with('[')) table = a[n] + " ";
-    if (value(a, n) != value(b, n))
-      return fmt::format("{}{} where the run has {}", table, value(b, n), value(a, n));
-    if (table == "[[body]] " && a[n].starts_with("name = ")) table += "of " + value(a, n) + ", ";
-  }
-  return "another scenario than the run's";
-}
-
 /// A checkpoint of a run with another scenario.
 struct OtherScenario : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -242,7 +219,8 @@ Recorder::Recorder(const Case& given, const std::filesystem::path& directory,
 }
 
 void Recorder::go_on(const Checkpoint& checkpoint) {
-  if (const auto other = difference(checkpoint.text("scenario"), given_.scenario)) {
+  if (const auto other = difference(
+          parse_scenario(Document(checkpoint.text("scenario"), "scenario")), given_.scenario)) {
     throw OtherScenario(*other);
   }
   const Numbers steps = checkpoint.numbers("record/steps");
@@ -312,7 +290,7 @@ void Recorder::make_surfaces(std::vector<Frame> frames) {
   surfaces_.emplace(
       directory_.path(), std::move(meshes),
       Channel{plan.units.length(plan.half_width_y()), plan.units.length(plan.length())}, lattice,
-      std::move(frames));
+      std::move(frames), scenario_text_);
 }
 
 Recorder::Finding Recorder::take(const suspension::Sample& sample) {
@@ -397,6 +375,7 @@ Summary Recorder::summarise(RunStatus status,
   Summary summary;
   summary.warnings = warnings_;
   summary.scenario = given_.scenario.name;
+  summary.parameters = parameters(given_.scenario);
   summary.status = status;
   if (pair()) {
     summary.verdict = judge_.verdict();

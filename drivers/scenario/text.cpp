@@ -60,6 +60,24 @@ bool is_name(std::string_view text) {
   });
 }
 
+std::string short_name(std::string_view key) {
+  constexpr std::string_view of_body = "body.";
+  if (!key.starts_with(of_body)) return std::string(key.substr(key.rfind('.') + 1));
+  std::string name(key.substr(of_body.size()));
+  std::replace(name.begin(), name.end(), '.', '-');
+  return name;
+}
+
+std::string short_value(std::string_view value) {
+  std::string text;
+  for (const char c : value) {
+    const bool plain = is_name(std::string_view(&c, 1)) || c == '.';
+    if (c != '"' && c != '[' && c != ']' && c != ' ') text += plain ? c : '-';
+  }
+  if (text.ends_with(".0")) text.resize(text.size() - 2);
+  return text;
+}
+
 std::string suggestion(std::string_view given, const std::vector<std::string_view>& known) {
   if (given.size() > 64) return "";
   // Case and the kind of dash are the commonest slips.

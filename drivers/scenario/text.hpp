@@ -20,6 +20,12 @@ std::string shortened(std::string text, std::size_t limit);
 bool is_name(std::string_view text);
 constexpr std::string_view name_rule = "a name of 1 to 64 letters, digits, '-' or '_'";
 
+/// A key of a scenario as a part of a file's name: "nodes" of "channel.nodes", "lag-x" of
+/// "body.lag.x"; and a value in TOML likewise: 24.0 is "24", "trt" has no quotes, and what is no
+/// letter, digit, '.', '-' or '_' is a '-'.
+std::string short_name(std::string_view key);
+std::string short_value(std::string_view value);
+
 /// ` did you mean "nodes"?` for the known name nearest to `given`, or "" if none is near.
 std::string suggestion(std::string_view given, const std::vector<std::string_view>& known);
 

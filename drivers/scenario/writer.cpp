@@ -66,6 +66,34 @@ std::string resolved_toml(const Scenario& s) {
   return text;
 }
 
+std::vector<std::pair<std::string, std::string>> parameters(const Scenario& s) {
+  std::vector<std::pair<std::string, std::string>> list;
+  const auto add = [&list](const std::string& path, const auto& keys, const auto& table) {
+    for (const auto& key : keys) list.emplace_back(path + std::string(key.name), key.write(table));
+  };
+  add("", root_keys(), s);
+  add("channel.", channel_keys(), s.channel);
+  add("fluid.", fluid_keys(), s.fluid);
+  add("membrane.", membrane_keys(), s.membrane);
+  add("rigid.", rigid_keys(), s.rigid);
+  add("run.", run_keys(), s.run);
+  add("output.", output_keys(), s.output);
+  for (const PetscOption& option : s.petsc)
+    list.emplace_back("petsc." + option.name, in_quotes(option.value));
+  for (const BodyOptions& body : s.bodies) {
+    const std::string path = "body." + body.name + ".";
+    add(path, body_keys(), body);
+    if (body.kind == BodyKind::capsule) {
+      add(path, capsule_keys(), body);
+      add(path, membrane_keys(), body.membrane);
+    } else {
+      add(path, rigid_body_keys(), body);
+      add(path, rigid_keys(), body.rigid);
+    }
+  }
+  return list;
+}
+
 std::string describe_keys() {
   std::string text =
       "Keys of a scenario file (TOML), each with its default, type, bounds, unit and meaning.\n"

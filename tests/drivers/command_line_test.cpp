@@ -108,6 +108,23 @@ TEST(CommandLine, DirectoriesAreNamedForTheRun) {
   EXPECT_EQ(request({"pair", "M1", "--x-lag", "-0.20"}).directory, "runs/M1_x-lag_-0.2");
   EXPECT_EQ(request({"run", scenario_dir + "/rigid.toml"}).directory, "runs/rigid");
   EXPECT_EQ(request({"pair", "M1", "--x-lag", "0", "-o", "some/where"}).directory, "some/where");
+  // One pair at two resolutions.
+  EXPECT_EQ(request({"pair", "M1", "--x-lag", "0", "--nodes", "24"}).directory,
+            "runs/M1_x-lag_0_nodes_24");
+  EXPECT_EQ(request({"run", scenario_dir + "/rigid.toml", "--set", "body.particle.x=0.10", "--set",
+                     "fluid.collision=trt", "--set", "channel.gravity=[-1, 0, 1.5]", "--set",
+                     "run.time_limit=1", "--set", "output.every=1", "--set", "name=sphere"})
+                .directory,
+            "runs/sphere_gravity_-1.0-0.0-1.5_collision_trt_particle-x_0.1");
+  std::vector<std::string> many = {"run", scenario_dir + "/rigid.toml"};
+  for (const std::string key :
+       {"channel.reynolds", "fluid.magic", "membrane.theta", "membrane.mobility",
+        "membrane.bending", "membrane.area_ratio", "rigid.retraction", "rigid.memory",
+        "body.particle.x", "body.particle.y", "body.particle.z", "body.particle.rotation_angle"})
+    many.insert(many.end(),
+                {"--set", key + (key == "membrane.theta" ? "=0.6000000001" : "=0.0500000001")});
+  EXPECT_NE(refused(many).find("too long for a directory's name"), std::string::npos)
+      << refused(many);
 }
 
 // Whatever file and --set say of single bodies; rigid ones have no integrator.
@@ -118,7 +135,7 @@ TEST(CommandLine, CompareGivesAllCapsulesEachIntegrator) {
                   "body.cell.integrator=adams-bashforth", "--set", "run.time_limit=0.1"});
   const Scenario plain = scenario({"run", file, "--set", "body.cell.integrator=adams-bashforth",
                                    "--set", "run.time_limit=0.1"});
-  EXPECT_EQ(asked.directory, "runs/three-kinds_compare");
+  EXPECT_EQ(asked.directory, "runs/three-kinds_cell-integrator_adams-bashforth_compare");
   ASSERT_EQ(asked.cases.size(), 2U);
   EXPECT_EQ(asked.cases[0].first, "adams-bashforth");
   EXPECT_EQ(asked.cases[1].first, "explicit-euler");

@@ -20,6 +20,7 @@
 #include "output/summary.hpp"
 #include "output/surfaces.hpp"
 #include "output/trajectory.hpp"
+#include "output/version.hpp"
 #include "run/progress.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/text.hpp"
@@ -423,6 +424,21 @@ TEST_F(SurfaceFiles, ComeBackIntoTheChannelEachByItself) {
   }
 }
 
+// More than an attribute of fixed length may hold; h5py reads it as text.
+TEST_F(SurfaceFiles, SayWhatWasRun) {
+  std::string scenario = "name = \"a\"\n";
+  while (scenario.size() < 200000) scenario += "# of many bodies, \u00b5\n";
+  write_atomically(directory_ / "scenario.toml", scenario);
+  const Surfaces surfaces(directory_, meshes(), long_channel(), lattice(), {}, scenario);
+  EXPECT_EQ(python(R"(
+import h5py, sys
+with h5py.File(sys.argv[1] + '/run.h5') as run, open(sys.argv[1] + '/scenario.toml') as given:
+    assert run.attrs['scenario'] == given.read()
+    print(run.attrs['version'].decode(), run.attrs['spacing'])
+)"),
+            fmt::format("{} {}\n", versions().front().second, lattice().spacing));
+}
+
 // Twelve edges, each once, along one axis from end to end.
 TEST_F(SurfaceFiles, OutlineTheChannel) {
   const Surfaces surfaces(directory_, meshes(), Channel{0.75, 12});
@@ -699,6 +715,8 @@ class SummaryFile : public Output {
     s.ranks = 2;
     s.profile =
         RunProfile{400, {{1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.1, 0, 0, 0, 0, 0, 0, 0, 1e-9}}, {1500, 0}};
+    s.parameters = {
+        {"channel.nodes", "36"}, {"body.lag.x", "-0.2"}, {"fluid.collision", "\"trt\""}};
     s.versions = {{"ductile", "0.1.0"}, {"PETSc", "3.18.5"}};
     return s;
   }
@@ -738,6 +756,7 @@ assert seconds['fluid'] == [1, 0.1] and seconds['output'] == [9, 1e-9]
 assert s['profile']['bytes_sent_a_step_by_rank'] == [1500, 0]
 assert s['warnings'] == ['strain energy of lag has not settled']
 assert (s['wall_time_s'], s['updates_per_second'], s['ranks']) == (61.5, 6.02e7, 2)
+assert s['parameters'] == {'channel.nodes': 36, 'body.lag.x': -0.2, 'fluid.collision': 'trt'}
 assert s['versions'] == {'ductile': '0.1.0', 'PETSc': '3.18.5'}
 print('as written')
 )"),

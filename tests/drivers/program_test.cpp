@@ -260,7 +260,7 @@ TEST_F(Program, ResumeTakesAFinishedRunFurtherAndRefusesAnother) {
   std::ofstream(work() / "long/scenario.toml") << scenario;
   const Outcome another = run("resume long --until 0.4");
   EXPECT_EQ(another.exit_code, 2);
-  EXPECT_NE(another.errors.find("[channel] reynolds = 12.0 where the run has reynolds = 10.0"),
+  EXPECT_NE(another.errors.find("channel.reynolds = 12.0 where the run has 10.0"),
             std::string::npos)
       << another.errors;
   // Results without a checkpoint are not started over.
