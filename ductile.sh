@@ -2,6 +2,7 @@
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
 #   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `resume`, `compare`, `bench` on all cores
+#   ./ductile.sh snakemake DIR [OPTION ...]  the cases of a campaign's directory, by Snakemake
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
 #   ./ductile.sh build                     builds everything, runs nothing
@@ -11,7 +12,7 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=$top/build
 
 packages=(g++ cmake ninja-build pkg-config libpetsc-real-dev libopenmpi-dev openmpi-bin
-  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libxxhash-dev libgtest-dev
+  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libgtest-dev
   python3-numpy python3-h5py python3-matplotlib)
 
 say() { printf 'ductile.sh: %s\n' "$*" >&2; }
@@ -73,6 +74,7 @@ if [ "${1:-}" = -n ]; then
   shift 2
 fi
 
+[ "${1:-}" != snakemake ] || packages+=(snakemake)
 installed=$(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' "${packages[@]}" 2>/dev/null || true)$'\n'
 install_missing
 
@@ -86,6 +88,27 @@ case ${1:-} in
     ;;
   build)
     make_target all
+    ;;
+  snakemake)
+    make_target ductile
+    campaign=${2:-}
+    if [ ! -f "$campaign/campaign.json" ]; then
+      say "'$campaign' has no campaign.json: lay it out with  ductile.sh campaign FILE -o DIR --prepare"
+      exit 2
+    fi
+    shift 2
+    config=()  # Snakemake takes one --config: what is given here is joined with where the program is
+    others=()
+    while [ $# -gt 0 ]; do
+      if [ "$1" = --config ]; then
+        shift
+        while [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; do config+=("$1"); shift; done
+      else
+        others+=("$1"); shift
+      fi
+    done
+    exec snakemake --snakefile "$top/drivers/campaign/Snakefile" --directory "$campaign" --keep-going \
+      "${others[@]}" --config "ductile=$build/drivers/ductile" "${config[@]}"
     ;;
   run | pair | resume | compare | bench)
     make_target ductile

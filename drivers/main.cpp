@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "campaign/process.hpp"
 #include "commands/program.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/membrane/petsc.hpp"
@@ -26,9 +27,10 @@ int main(int argc, char** argv) {
   prepare_signals();
   // From the first moment to the last, of what runs; other commands end as any program does.
   std::optional<Signals> signals;
-  for (const std::string_view command : {"run", "pair", "resume", "compare"})
+  for (const std::string_view command : {"run", "pair", "resume", "compare", "campaign"})
     if (argc > 1 && command == argv[1]) signals.emplace();
   start_clock();
+  keep_environment();
   // PETSc gets none of the user's arguments, reads no file, and leaves signals alone.
   const std::vector<std::string> ignored = ignored_petsc_sources();
   std::string name = "ductile";
@@ -40,7 +42,7 @@ int main(int argc, char** argv) {
   if (PetscInitialize(&petsc_count, &petsc_argv, nullptr, nullptr) != 0) return exit_failure;
   int exit_code = exit_failure;
   int rank = 0;
-  Pictures pictures;
+  Afterwards afterwards;
   try {
     ductile::membrane::quieten_petsc();
     const ductile::fluid::Communicator world(PETSC_COMM_WORLD);
@@ -52,7 +54,7 @@ int main(int argc, char** argv) {
           "--petsc\n",
           source);
     }
-    exit_code = run_program({argv + 1, argv + argc}, world.get(), pictures);
+    exit_code = run_program({argv + 1, argv + argc}, world.get(), afterwards);
   } catch (const std::exception& error) {
     // The other ranks may be waiting for this one.
     say(stderr, "ductile: {}\n", error.what());
@@ -66,8 +68,16 @@ int main(int argc, char** argv) {
   }
   if (PetscFinalize() != 0) return exit_failure;
   // Starting a process is safe only now that MPI is down.
-  for (const auto& directory : pictures.trajectories) plot_trajectory(directory);
-  for (const auto& directory : pictures.comparisons) plot_comparison(directory);
+  if (afterwards.work) {
+    try {
+      exit_code = afterwards.work();
+    } catch (const std::exception& error) {
+      say(stderr, "ductile: {}\n", error.what());
+      exit_code = exit_failure;
+    }
+  }
+  for (const auto& directory : afterwards.trajectories) plot_trajectory(directory);
+  for (const auto& directory : afterwards.comparisons) plot_comparison(directory);
   // mpirun ends the job at the first rank that does not return 0, and rank 0 may still be drawing.
   return rank == 0 ? exit_code : exit_success;
 }

@@ -24,9 +24,10 @@ MAY["drivers/analysis"] = LIBRARIES
 MAY["drivers/checks"] = LIBRARIES | {"drivers/scenario", "drivers/analysis"}
 MAY["drivers/output"] = LIBRARIES | {"drivers/scenario", "drivers/analysis"}
 MAY["drivers/run"] = LIBRARIES | {"drivers/scenario", "drivers/analysis", "drivers/output"}
-MAY["drivers/commands"] = LIBRARIES | {
+MAY["drivers/campaign"] = LIBRARIES | {
     "drivers/" + room for room in ("scenario", "analysis", "checks", "output", "run")
 }
+MAY["drivers/commands"] = MAY["drivers/campaign"] | {"drivers/campaign"}
 
 
 def room_of(path):

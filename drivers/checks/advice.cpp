@@ -22,8 +22,6 @@ constexpr double sound_mach = 0.15;
 constexpr double smallest_radius = 4;  // lattice spacings
 constexpr double sound_lead = 0.01;    // of waves of length 2 a, of the flow's velocity
 
-constexpr double patience_of_a_run = 20;  // seconds before its first step
-
 /// The first few names.
 std::string some_of(const std::vector<std::string>& names) {
   constexpr std::size_t shown = 5;
@@ -176,8 +174,8 @@ std::vector<std::string> warnings(const Case& given, StabilityModels& models) {
   return list;
 }
 
-std::vector<std::string> warnings(const Case& given) {
-  StabilityModels models(given.plan, patience_of_a_run);
+std::vector<std::string> warnings(const Case& given, double patience) {
+  StabilityModels models(given.plan, patience);
   return warnings(given, models);
 }
 

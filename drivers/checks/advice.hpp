@@ -10,11 +10,14 @@
 
 namespace ductile::drivers {
 
+/// Seconds that a run may spend on predictions before its first step.
+constexpr double patience_of_a_run = 20;
+
 /// What a user should know before trusting the run, one line each. Predicts the stability of
 /// capsules whose integrator has a limit, which takes a moment, as far as `models`, the case's,
-/// have the time; without them 20 s at most.
+/// have the time; without them `patience` seconds at most.
 std::vector<std::string> warnings(const Case& given, StabilityModels& models);
-std::vector<std::string> warnings(const Case& given);
+std::vector<std::string> warnings(const Case& given, double patience = patience_of_a_run);
 
 /// What the lattice or a default has made of the scenario that is not as the paper or the user has
 /// it, one line each: a smaller volume modulus, lengths rounded to whole nodes.

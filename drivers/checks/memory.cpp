@@ -110,12 +110,15 @@ Ranks ranks_of(MPI_Comm comm) {
   return ranks;
 }
 
+double free_memory() {
+  return std::min(known(kilobyte * entry("/proc/meminfo", "MemAvailable:")), known(group_allows()));
+}
+
 std::string memory_lacks(const Case& given, const Ranks& ranks) {
   const MemoryNeed need = memory_needed(given);
   const double here = need.shared * ranks.here / ranks.all + need.gathered;
   const double of_one = need.shared / ranks.all + need.gathered;
-  const double free_here =
-      std::min(known(kilobyte * entry("/proc/meminfo", "MemAvailable:")), known(group_allows()));
+  const double free_here = free_memory();
   const double free_to_one = known(address_space_allows());
   if (here <= free_here && of_one <= free_to_one) return "";
   const bool machine = here > free_here;

@@ -25,6 +25,10 @@ struct Ranks {
 /// Collective.
 Ranks ranks_of(MPI_Comm comm);
 
+/// Bytes of this machine that a run may take: the least of what is free and what its control group
+/// leaves; infinity if neither can be told.
+double free_memory();
+
 /// What there is to say if the run does not fit into the memory of rank 0's machine, else nothing.
 /// What it may take is the least of what is free, what its control group leaves, and the limit of
 /// address space (ulimit -v), which each rank has for itself. On rank 0.

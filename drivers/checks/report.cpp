@@ -9,6 +9,7 @@
 #include "analysis/contacts.hpp"
 #include "analysis/stability.hpp"
 #include "checks/advice.hpp"
+#include "checks/disk.hpp"
 #include "checks/geometry.hpp"
 #include "checks/memory.hpp"
 #include "scenario/text.hpp"
@@ -152,6 +153,7 @@ void add_cost(Lines& lines, const Case& given, int cores, const std::optional<Kn
   lines.add("memory",
             fmt::format("{}, {} of it populations", size_text(memory_needed(given).total()),
                         size_text(population_bytes(given.plan))));
+  lines.add("disk", fmt::format("{} until the time limit", size_text(disk_needed(given))));
   const KnownSpeed speed = known ? *known : guessed_speed(cores);
   const int most = std::clamp(std::min(cores, speed.ranks), 1, given.plan.fluid.nodes[2]);
   const auto duration = [&](int ranks) {

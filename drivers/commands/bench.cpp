@@ -27,7 +27,7 @@ CLI::App* BenchCommand::declare(CLI::App& program) {
   return command;
 }
 
-int BenchCommand::execute(MPI_Comm comm, Pictures& /*pictures*/) {
+int BenchCommand::execute(MPI_Comm comm, Afterwards& /*afterwards*/) {
   const BenchResult result = measure(options_, comm);
   if (rank_in(comm) != 0) return exit_success;
   std::fputs((options_.json ? json(result) : table(result)).c_str(), stdout);

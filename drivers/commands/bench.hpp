@@ -9,7 +9,7 @@ namespace ductile::drivers {
 class BenchCommand final : public Command {
  public:
   CLI::App* declare(CLI::App& program) override;
-  int execute(MPI_Comm comm, Pictures& pictures) override;
+  int execute(MPI_Comm comm, Afterwards& afterwards) override;
 
  private:
   BenchOptions options_;

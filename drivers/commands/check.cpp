@@ -25,7 +25,7 @@ Case CheckCommand::prepare() const {
   return load_case(file_, scenario_.overrides());
 }
 
-int CheckCommand::execute(MPI_Comm comm, Pictures& /*pictures*/) {
+int CheckCommand::execute(MPI_Comm comm, Afterwards& /*afterwards*/) {
   return with_input(comm, [this] {
     const int cores = static_cast<int>(std::thread::hardware_concurrency());
     const double patience = thorough_ ? std::numeric_limits<double>::infinity() : usual_patience;

@@ -14,7 +14,7 @@ class CheckCommand final : public Command {
   CLI::App* declare(CLI::App& program) override;
   /// What the options ask about. Throws InputError. Rank 0.
   [[nodiscard]] Case prepare() const;
-  int execute(MPI_Comm comm, Pictures& pictures) override;
+  int execute(MPI_Comm comm, Afterwards& afterwards) override;
 
  private:
   std::string file_;

@@ -6,15 +6,18 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
 namespace ductile::drivers {
 
-/// What to draw when MPI is down: directories, filled on rank 0.
-struct Pictures {
+/// What is left to do when MPI is down, for it takes processes of their own: directories of
+/// pictures, and the rest of a command, which gives its exit code. Filled on rank 0.
+struct Afterwards {
   std::vector<std::filesystem::path> trajectories;
   std::vector<std::filesystem::path> comparisons;
+  std::function<int()> work;
 };
 
 class Command {
@@ -28,7 +31,7 @@ class Command {
   /// the same arguments; files are rank 0's to read.
   virtual CLI::App* declare(CLI::App& program) = 0;
   /// Does it; the exit code is the same on all ranks. Collective.
-  virtual int execute(MPI_Comm comm, Pictures& pictures) = 0;
+  virtual int execute(MPI_Comm comm, Afterwards& afterwards) = 0;
 };
 
 /// Those of the program, in the order in which its help lists them: program.cpp has one line for

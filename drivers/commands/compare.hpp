@@ -27,7 +27,7 @@ class CompareCommand final : public Command {
   /// comparison and writes compare.json beside them. A signal ends the run at hand and leaves out
   /// those still to come. A run that blew up or ended by a contact is a result: the exit
   /// code says so only if all did.
-  int execute(MPI_Comm comm, Pictures& pictures) override;
+  int execute(MPI_Comm comm, Afterwards& afterwards) override;
 
  private:
   std::string file_;

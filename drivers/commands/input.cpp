@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "checks/advice.hpp"
 #include "checks/read_case.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "output/say.hpp"
@@ -15,14 +14,14 @@
 
 namespace ductile::drivers {
 
-std::vector<std::vector<std::string>> advise(
-    const std::vector<std::pair<std::string, Case>>& cases) {
+std::vector<std::vector<std::string>> advise(const std::vector<std::pair<std::string, Case>>& cases,
+                                             double patience) {
   std::vector<std::vector<std::string>> of_cases;
   std::vector<std::pair<std::string, std::vector<std::string>>> lines;
   for (const auto& [name, given] : cases) {
     std::vector<std::string> said;
     for (const std::string& note : notes(given)) said.push_back("note: " + note);
-    of_cases.push_back(warnings(given));
+    of_cases.push_back(warnings(given, patience));
     for (const std::string& warning : of_cases.back()) said.push_back("warning: " + warning);
     for (const std::string& line : said) {
       auto known = std::find_if(lines.begin(), lines.end(),

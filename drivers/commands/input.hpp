@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "checks/advice.hpp"
 #include "checks/memory.hpp"
 #include "scenario/plan.hpp"
 
@@ -19,9 +20,9 @@ int with_input(MPI_Comm comm, const std::function<void()>& work);
 
 /// Prints what there is to note and to warn of some cases: what is said of several, once, and where
 /// it is not said of all, with the names of those that it is about. Gives the warnings of each
-/// case. Rank 0.
-std::vector<std::vector<std::string>> advise(
-    const std::vector<std::pair<std::string, Case>>& cases);
+/// case. Predictions of stability may take `patience` seconds for each. Rank 0.
+std::vector<std::vector<std::string>> advise(const std::vector<std::pair<std::string, Case>>& cases,
+                                             double patience = patience_of_a_run);
 
 /// Rank 0's resolved scenario as a case on every rank, the first too: what is in the run directory
 /// is what was run. Collective.

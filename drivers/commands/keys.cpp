@@ -13,7 +13,7 @@ CLI::App* KeysCommand::declare(CLI::App& program) {
       "keys", "All keys of a scenario file: default, type, bounds, unit and meaning");
 }
 
-int KeysCommand::execute(MPI_Comm comm, Pictures& /*pictures*/) {
+int KeysCommand::execute(MPI_Comm comm, Afterwards& /*afterwards*/) {
   return with_input(comm, [] { say(stdout, describe_keys()); });
 }
 

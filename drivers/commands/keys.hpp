@@ -8,7 +8,7 @@ namespace ductile::drivers {
 class KeysCommand final : public Command {
  public:
   CLI::App* declare(CLI::App& program) override;
-  int execute(MPI_Comm comm, Pictures& pictures) override;
+  int execute(MPI_Comm comm, Afterwards& afterwards) override;
 };
 
 }  // namespace ductile::drivers

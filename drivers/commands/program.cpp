@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "commands/bench.hpp"
+#include "commands/campaign.hpp"
 #include "commands/check.hpp"
 #include "commands/compare.hpp"
 #include "commands/keys.hpp"
@@ -85,6 +86,7 @@ std::vector<std::unique_ptr<Command>> all_commands() {
   commands.push_back(std::make_unique<PairCommand>());
   commands.push_back(std::make_unique<ResumeCommand>());
   commands.push_back(std::make_unique<CompareCommand>());
+  commands.push_back(std::make_unique<CampaignCommand>());
   commands.push_back(std::make_unique<CheckCommand>());
   commands.push_back(std::make_unique<BenchCommand>());
   commands.push_back(std::make_unique<KeysCommand>());
@@ -116,11 +118,11 @@ CommandLine::CommandLine(const std::vector<std::string>& arguments)
   command_ = commands_[static_cast<std::size_t>(parsed - declared.begin())].get();
 }
 
-int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Pictures& pictures) {
+int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Afterwards& afterwards) {
   const bool root = rank_in(comm) == 0;
   try {
     const CommandLine line(broadcast_arguments(arguments, comm));
-    if (line.command() != nullptr) return line.command()->execute(comm, pictures);
+    if (line.command() != nullptr) return line.command()->execute(comm, afterwards);
     if (root) say(stdout, line.text());
     return exit_success;
   } catch (const InputError& error) {

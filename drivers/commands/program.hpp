@@ -30,6 +30,6 @@ class CommandLine {
 };
 
 /// Does what the arguments of rank 0 ask for; the exit code is the same on all ranks. Collective.
-int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Pictures& pictures);
+int run_program(const std::vector<std::string>& arguments, MPI_Comm comm, Afterwards& afterwards);
 
 }  // namespace ductile::drivers

@@ -17,6 +17,19 @@
 
 namespace ductile::drivers {
 
+std::optional<double> walltime_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::optional<double> seconds = parsed_duration(text);
+  constexpr double least = 5;  // a checkpoint, summary and picture take of it
+  if (!seconds || !(*seconds >= least)) {
+    throw InputError(
+        fmt::format("--max-walltime {}: must be a time of at least 5s, such as 90s, 30m, "
+                    "11.5h, 2d or 11:30:00",
+                    text));
+  }
+  return seconds;
+}
+
 void SingleRun::declare_run(CLI::App& command) {
   command.add_flag("--profile", profile_,
                    "Show the time by part of every rank, and put it into summary.json");
@@ -34,20 +47,7 @@ void SingleRun::declare_shared(CLI::App& command, const std::string& usual_direc
   declare_run(command);
 }
 
-std::optional<double> SingleRun::max_walltime() const {
-  if (max_walltime_.empty()) return std::nullopt;
-  const std::optional<double> seconds = parsed_duration(max_walltime_);
-  constexpr double least = 5;  // a checkpoint, summary and picture take of it
-  if (!seconds || !(*seconds >= least)) {
-    throw InputError(
-        fmt::format("--max-walltime {}: must be a time of at least 5s, such as 90s, 30m, "
-                    "11.5h, 2d or 11:30:00",
-                    max_walltime_));
-  }
-  return seconds;
-}
-
-int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
+int SingleRun::execute(MPI_Comm comm, Afterwards& afterwards) {
   std::string scenario;
   std::filesystem::path directory;     // rank 0's
   std::set<std::string> read_options;  // rank 0's
@@ -75,7 +75,7 @@ int SingleRun::execute(MPI_Comm comm, Pictures& pictures) {
     if (result.interrupted && !given.plan.bodies.empty()) {
       plot_trajectory(directory);
     } else if (!given.plan.bodies.empty()) {
-      pictures.trajectories.push_back(directory);
+      afterwards.trajectories.push_back(directory);
     }
   }
   return result.exit_code;
@@ -86,14 +86,16 @@ CLI::App* RunCommand::declare(CLI::App& program) {
   command->add_option("FILE", file_, "The scenario, TOML; see ductile keys")
       ->required()
       ->type_name("");
-  declare_shared(*command, "runs/NAME by default");
+  declare_shared(*command, "runs/NAME by default, with what --set has changed");
   return command;
 }
 
 SingleRun::Request RunCommand::prepare() const {
-  Request request{load_case(file_, scenario().overrides()), {}};
-  request.directory =
-      output().directory(std::filesystem::path("runs") / request.given.scenario.name);
+  const std::vector<Override> overrides = scenario().overrides();
+  Request request{load_case(file_, overrides), {}};
+  const Scenario& resolved = request.given.scenario;
+  request.directory = output().directory(std::filesystem::path("runs") /
+                                         run_name(resolved.name, resolved, overrides));
   return request;
 }
 

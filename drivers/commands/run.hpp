@@ -11,6 +11,9 @@
 
 namespace ductile::drivers {
 
+/// Seconds of a --max-walltime, if it is given. Throws InputError.
+std::optional<double> walltime_of(const std::string& text);
+
 /// A command that runs one case. What differs is where the case comes from.
 class SingleRun : public Command {
  public:
@@ -23,11 +26,11 @@ class SingleRun : public Command {
   [[nodiscard]] bool force() const { return output_.force(); }
   [[nodiscard]] bool profile() const { return profile_; }
   /// In seconds. Throws InputError.
-  [[nodiscard]] std::optional<double> max_walltime() const;
+  [[nodiscard]] std::optional<double> max_walltime() const { return walltime_of(max_walltime_); }
   /// Whether the run in the directory goes on.
   [[nodiscard]] virtual bool resumes() const { return false; }
 
-  int execute(MPI_Comm comm, Pictures& pictures) override;
+  int execute(MPI_Comm comm, Afterwards& afterwards) override;
 
  protected:
   /// The options of every such command, ...

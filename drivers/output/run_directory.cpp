@@ -67,7 +67,7 @@ RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
   std::error_code error;
   fs::create_directories(path_, error);
   if (error) fail_to_write(path_, error.value());
-  lock();
+  lock_.emplace(path_, "run");
   require_free(path_, force);  // another run may have come and gone meanwhile
   for (const char* name : own_files) {
     for (const std::string_view suffix : {std::string_view(), unfinished}) {
@@ -83,37 +83,37 @@ RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
 }
 
 RunDirectory::RunDirectory(fs::path path) : path_(std::move(path)) {
-  lock();
+  lock_.emplace(path_, "run");
 }
 
-RunDirectory::~RunDirectory() {
-  if (lock_ >= 0) close(lock_);
+DirectoryLock::~DirectoryLock() {
+  if (descriptor_ >= 0) close(descriptor_);
 }
 
 // The lock is on the directory itself, and the system's: it ends with the process, however that
 // ends, and nothing that somebody removes takes it away. The file says whose it is.
-void RunDirectory::lock() {
-  const fs::path file = path_ / lock_name;
-  lock_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0)
-    throw OutputError(fmt::format("cannot open {}: {}", path_.string(), std::strerror(errno)));
-  if (flock(lock_, LOCK_EX | LOCK_NB) == 0) {
+DirectoryLock::DirectoryLock(const fs::path& directory, std::string_view what) {
+  const fs::path file = directory / lock_name;
+  descriptor_ = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ < 0)
+    throw OutputError(fmt::format("cannot open {}: {}", directory.string(), std::strerror(errno)));
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
     write_atomically(file, lock_text());
     return;
   }
   const int reason = errno;
-  close(std::exchange(lock_, -1));
+  close(std::exchange(descriptor_, -1));
   if (reason != EWOULDBLOCK) {
-    say(stderr, "warning: {} cannot be locked ({}): see to it that no other run writes there\n",
-        path_.string(), std::strerror(reason));
+    say(stderr, "warning: {} cannot be locked ({}): see to it that no other {} writes there\n",
+        directory.string(), std::strerror(reason), what);
     return;
   }
   std::string who;
   std::getline(std::ifstream(file), who);
   throw InputError(
-      fmt::format("{}: another run is writing there ({}): wait for its end, or choose "
+      fmt::format("{}: another {} is writing there ({}): wait for its end, or choose "
                   "another directory with -o",
-                  path_.string(), who.empty() ? "of which no more is known" : who));
+                  directory.string(), what, who.empty() ? "of which no more is known" : who));
 }
 
 }  // namespace ductile::drivers

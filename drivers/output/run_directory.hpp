@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,21 @@ namespace ductile::drivers {
 /// Throws InputError if results may not go into `directory`: it is none, or it is not empty and the
 /// run in it is not to be replaced.
 void require_free(const std::filesystem::path& directory, bool force);
+
+/// A directory that one program at a time writes into. The system takes the lock from one that has
+/// died; the file `lock` in it says whose it is.
+class DirectoryLock {
+ public:
+  /// `what` is what it is locked for: a "run". Throws InputError if another one has it, OutputError
+  /// if the directory cannot be opened. Where the file system knows no locks it says so.
+  DirectoryLock(const std::filesystem::path& directory, std::string_view what);
+  ~DirectoryLock();
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
 
 /// A run's directory: scenario.toml, trajectory.csv, run.h5, run.xdmf, frames/, summary.json,
 /// trajectory.png, checkpoint.h5, checkpoint-before.h5, checkpoint-refused.h5, log.txt; and `lock`,
@@ -24,9 +40,6 @@ class RunDirectory {
   RunDirectory(std::filesystem::path path, bool force);
   /// That of a run which is to go on. Throws likewise.
   explicit RunDirectory(std::filesystem::path path);
-  ~RunDirectory();
-  RunDirectory(const RunDirectory&) = delete;
-  RunDirectory& operator=(const RunDirectory&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path scenario() const { return path_ / "scenario.toml"; }
@@ -48,10 +61,8 @@ class RunDirectory {
   }
 
  private:
-  void lock();
-
   std::filesystem::path path_;
-  int lock_ = -1;
+  std::optional<DirectoryLock> lock_;
 };
 
 }  // namespace ductile::drivers

@@ -1,0 +1,101 @@
+#include "campaign/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string_view>
+
+#include "checks/memory.hpp"
+#include "checks/read_case.hpp"
+#include "output/file.hpp"
+#include "output/run_directory.hpp"
+#include "scenario/difference.hpp"
+#include "scenario/writer.hpp"
+
+namespace ductile::drivers {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What a case's directory is to become.
+enum class Change {
+  none,
+  limits,  // another [run]: what there is goes on
+  anew
+};
+
+Change change_of(const CampaignDirectory& directory, const ReadCase& read, bool force) {
+  const fs::path run = directory.run(read.entry.name);
+  const fs::path file = run / "scenario.toml";
+  std::error_code error;
+  if (!fs::exists(file, error)) return Change::anew;
+  const std::string before = read_text(file);
+  if (before == resolved_toml(read.given->scenario)) return Change::none;
+  if (const auto other =
+          difference(parse_case(before, file.string()).scenario, read.given->scenario)) {
+    if (force) return Change::anew;
+    throw InputError(
+        fmt::format("{}: {}: add --force to replace it, or choose another directory with -o",
+                    run.string(), *other));
+  }
+  return Change::limits;
+}
+
+void make_directory(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) fail_to_write(path, error.value());
+}
+
+}  // namespace
+
+std::vector<ReadCase> read_cases(const Sweep& sweep) {
+  std::vector<ReadCase> cases;
+  std::string first;
+  bool any = false;
+  for (const SweptCase& swept : sweep.cases) {
+    ReadCase& read = cases.emplace_back();
+    read.entry = {swept.name, swept.scenario, swept.values, ""};
+    try {
+      read.given = parse_case(swept.text, swept.file, swept.overrides);
+      if (std::string lack = memory_lacks(*read.given, {}); !lack.empty()) throw InputError(lack);
+      any = true;
+    } catch (const InputError& error) {
+      read.given.reset();
+      read.entry.refusal = error.what();
+      if (first.empty()) first = error.what();
+    }
+  }
+  if (!any) throw InputError(first);
+  return cases;
+}
+
+Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
+                 const std::vector<ReadCase>& cases, const std::string& text, bool force) {
+  Campaign campaign{sweep.name, sweep.axes, {}};
+  std::vector<Change> changes;
+  for (const ReadCase& read : cases) {
+    changes.push_back(read.given ? change_of(directory, read, force) : Change::none);
+    campaign.cases.push_back(read.entry);
+  }
+  make_directory(directory.path() / "cases");
+  for (std::size_t c = 0; c < cases.size(); ++c) {
+    if (changes[c] == Change::none) continue;
+    const fs::path run = directory.run(cases[c].entry.name);
+    const std::string scenario = resolved_toml(cases[c].given->scenario);
+    std::error_code error;
+    fs::remove(directory.failure(cases[c].entry.name), error);
+    if (changes[c] == Change::anew) {
+      RunDirectory(run, true).write_scenario(scenario);
+      continue;
+    }
+    // Without its summary the case counts as one that has not ended.
+    fs::remove(run / "summary.json", error);
+    write_atomically(run / "scenario.toml", scenario, Durability::system);
+  }
+  write_atomically(directory.file(), text, Durability::system);
+  directory.write(campaign);
+  return campaign;
+}
+
+}  // namespace ductile::drivers

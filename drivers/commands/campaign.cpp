@@ -1,0 +1,298 @@
+#include "commands/campaign.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "campaign/engine.hpp"
+#include "campaign/process.hpp"
+#include "checks/advice.hpp"
+#include "checks/disk.hpp"
+#include "checks/memory.hpp"
+#include "checks/read_case.hpp"
+#include "checks/speed.hpp"
+#include "commands/input.hpp"
+#include "commands/run.hpp"
+#include "output/run_directory.hpp"
+#include "output/say.hpp"
+#include "run/exit_code.hpp"
+#include "run/signals.hpp"
+#include "scenario/errors.hpp"
+#include "scenario/text.hpp"
+
+namespace ductile::drivers {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// That this process may use.
+int core_count() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  return sched_getaffinity(0, sizeof(set), &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
+}
+
+/// A word given for a number, from 1 to `most`.
+int number_of(const std::string& option, const std::string& text, int most) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > most) {
+    throw InputError(fmt::format("{} {}: must be a whole number from 1 to {}", option, text, most));
+  }
+  return number;
+}
+
+/// How many runs of how many ranks: as many runs as there are cores, if there are cases enough and
+/// memory. On small lattices runs of one rank each, side by side, are the fastest.
+void choose_width(EngineOptions& options, const std::vector<Job>& jobs, int ranks, int at_once) {
+  const int cores = core_count();
+  options.ranks = ranks;
+  options.at_once = at_once;
+  if (at_once == 0) options.at_once = std::max(1, cores / std::max(1, ranks));
+  options.at_once = std::min(options.at_once, static_cast<int>(jobs.size()));
+  std::vector<double> memory;
+  for (const Job& job : jobs) memory.push_back(memory_needed(job.given).total());
+  std::ranges::sort(memory, std::greater<>());
+  const double free = free_memory();
+  const auto needed = [&memory](int runs) {
+    return std::accumulate(memory.begin(), memory.begin() + runs, 0.0);
+  };
+  int fitting = options.at_once;
+  while (fitting > 1 && needed(fitting) > free) --fitting;
+  if (fitting < options.at_once) {
+    say(stderr, "{} runs side by side would need {} of memory, of which {} are free: {} at once\n",
+        options.at_once, size_text(needed(options.at_once)), size_text(free), fitting);
+    options.at_once = fitting;
+  }
+  if (ranks == 0) options.ranks = std::max(1, cores / options.at_once);
+}
+
+void predict(const CampaignDirectory& directory, const std::vector<Job>& jobs,
+             const EngineOptions& options, const std::optional<KnownSpeed>& known,
+             const KnownSpeed& speed) {
+  std::vector<double> durations;
+  double disk = 0;
+  for (const Job& job : jobs) {
+    durations.push_back(expected_duration(job.given, options.ranks, options.at_once, speed));
+    disk += disk_needed(job.given);
+  }
+  say(stderr,
+      "{} case{} to run, {} at once on {} rank{} each: about {} until the time limits, {}; {} of "
+      "disk\n",
+      jobs.size(), jobs.size() == 1 ? "" : "s", options.at_once, options.ranks,
+      options.ranks == 1 ? "" : "s",
+      duration_text(expected_span(std::move(durations), options.at_once)),
+      known ? "as `ductile bench` has found here"
+            : "a guess: run `ductile bench` once for a better one",
+      size_text(disk));
+  struct statvfs volume {};
+  if (statvfs(directory.path().c_str(), &volume) != 0) return;
+  const double free = static_cast<double>(volume.f_bavail) * static_cast<double>(volume.f_frsize);
+  if (disk > free) {
+    say(stderr, "warning: {} of disk are free in {}\n", size_text(free), directory.path().string());
+  }
+}
+
+/// The cases, one a line, and how many ended in what way.
+void print_table(const CampaignDirectory& directory, const Campaign& campaign) {
+  std::size_t width = 4;
+  for (const CampaignCase& given : campaign.cases) width = std::max(width, given.name.size());
+  width = std::min<std::size_t>(width, 80);
+  std::string text = fmt::format("{:<{}}  {:<13}  {:<9}  {:>8}  {:>8}\n", "case", width, "state",
+                                 "verdict", "dz", "t");
+  const auto cell = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.3f}", *value) : std::string();
+  };
+  for (const CampaignCase& given : campaign.cases) {
+    const CaseResult result = directory.result(given);
+    text += fmt::format("{:<{}}  {:<13}  {:<9}  {:>8}  {:>8}", shortened(given.name, width), width,
+                        result.status, result.verdict, cell(result.dz), cell(result.time));
+    const bool told = result.state == CaseState::failed || result.state == CaseState::refused ||
+                      result.status == "blew up" || result.status == "contact";
+    text += told ? "  " + shortened(result.reason, 200) + '\n' : std::string("\n");
+  }
+  say(stdout, text);
+}
+
+/// What the program returns when all has been done that could be.
+int exit_code_of(const CampaignDirectory& directory, const Campaign& campaign) {
+  const auto any = [&](std::initializer_list<CaseState> states) {
+    return std::ranges::any_of(campaign.cases, [&](const CampaignCase& given) {
+      return std::ranges::find(states, directory.result(given).state) != states.end();
+    });
+  };
+  if (any({CaseState::failed, CaseState::refused})) return exit_failure;
+  return any({CaseState::walltime, CaseState::unfinished}) ? exit_walltime : exit_success;
+}
+
+int run_all(const CampaignDirectory& directory, const Campaign& campaign,
+            const std::vector<Job>& jobs, const EngineOptions& options, const KnownSpeed& speed) {
+  const Signals signals;
+  int signal = 0;
+  if (!jobs.empty()) {
+    signal = run_jobs(directory, campaign, jobs, options, speed, [&] { return signals.stop(); });
+  }
+  directory.gather(campaign);
+  print_table(directory, campaign);
+  say(stdout, "results in {}\n", directory.table().string());
+  const int code =
+      signal != 0 ? static_cast<int>(exit_interrupted) : exit_code_of(directory, campaign);
+  const bool more = std::ranges::any_of(campaign.cases, [&](const CampaignCase& given) {
+    const CaseState state = directory.result(given).state;
+    return state != CaseState::ended && state != CaseState::refused;
+  });
+  if (more) {
+    say(stdout, "`ductile campaign {}` goes on with the cases that have not ended\n",
+        directory.path().string());
+  }
+  return code;
+}
+
+}  // namespace
+
+CLI::App* CampaignCommand::declare(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "campaign",
+      "Run the cases of a study, side by side; those that have ended are not run again");
+  command
+      ->add_option("FILE", given_,
+                   "The campaign, TOML (doc/studies.md); or the directory of one, to go on with it")
+      ->required()
+      ->type_name("");
+  command->add_option("-o,--output", output_, "Directory of the results; runs/NAME by default")
+      ->type_name("DIR");
+  command->add_option("--ranks", ranks_, "Ranks of each run; 1, while there are cases enough")
+      ->type_name("N");
+  command->add_option("--at-once", at_once_, "Runs side by side; as many as cores and memory allow")
+      ->type_name("N");
+  command
+      ->add_option("--max-walltime", max_walltime_,
+                   "Time on the clock that each run is given: 90s, 30m, 11.5h, 2d, or HH:MM:SS")
+      ->type_name("TIME");
+  command->add_flag("--force", force_, "Replace the results of cases that are now other ones");
+  command->add_flag("--prepare", prepare_,
+                    "Check the cases and lay out their directories, and run none");
+  command
+      ->add_option("--case", case_,
+                   "Of a campaign's directory, run this case alone: what an engine calls")
+      ->type_name("NAME");
+  command->add_flag("--gather", gather_, "Of a campaign's directory, write campaign.csv anew");
+  return command;
+}
+
+bool CampaignCommand::laid_out() const {
+  std::error_code error;
+  return fs::is_directory(given_, error);
+}
+
+void CampaignCommand::check_options() const {
+  if ((prepare_ ? 1 : 0) + (gather_ ? 1 : 0) + (case_.empty() ? 0 : 1) > 1)
+    throw InputError("ductile campaign: --prepare, --case and --gather exclude each other");
+  if (laid_out() && (prepare_ || force_ || !output_.empty())) {
+    throw InputError(
+        "ductile campaign: -o, --force and --prepare go with a campaign file, not with a "
+        "directory");
+  }
+  if (!laid_out() && (gather_ || !case_.empty()))
+    throw InputError("ductile campaign: --case and --gather go with a campaign's directory");
+  static_cast<void>(walltime_of(max_walltime_));
+}
+
+CampaignCommand::Request CampaignCommand::prepare() const {
+  check_options();
+  Request request;
+  request.directory = given_;
+  if (laid_out()) {
+    const CampaignDirectory directory(request.directory);
+    for (const CampaignCase& entry : directory.read().cases) {
+      ReadCase& read = request.cases.emplace_back();
+      read.entry = entry;
+      if (entry.refusal.empty())
+        read.given = load_case(directory.run(entry.name) / "scenario.toml");
+    }
+    return request;
+  }
+  request.text = read_text(given_);
+  request.sweep = parse_sweep(request.text, given_);
+  request.cases = read_cases(*request.sweep);
+  request.directory = output_.empty() ? fs::path("runs") / request.sweep->name : fs::path(output_);
+  return request;
+}
+
+void CampaignCommand::run(const Request& request, Afterwards& afterwards) const {
+  const CampaignDirectory directory(request.directory);
+  EngineOptions options;
+  options.program = fs::read_symlink("/proc/self/exe").string();
+  options.environment = environment_without_job();
+  options.max_walltime = max_walltime_;
+  constexpr int most = 100000;
+  const int ranks = ranks_.empty() ? 0 : number_of("--ranks", ranks_, most);
+  const int at_once = at_once_.empty() ? 0 : number_of("--at-once", at_once_, most);
+
+  if (!case_.empty()) {
+    const auto entry = std::ranges::find(request.cases, case_,
+                                         [](const ReadCase& read) { return read.entry.name; });
+    if (entry == request.cases.end()) {
+      throw InputError(fmt::format("{}: has no case {}", request.directory.string(),
+                                   in_quotes(shortened(case_, 200))));
+    }
+    if (!entry->given) throw InputError(entry->entry.refusal);
+    options.ranks = std::max(1, ranks);
+    afterwards.work = [directory, name = case_, options] {
+      const Signals signals;
+      const int code = run_one(directory, name, options, [&] { return signals.stop(); });
+      return code == exit_blow_up || code == exit_contact ? static_cast<int>(exit_success) : code;
+    };
+    return;
+  }
+
+  std::error_code error;
+  fs::create_directories(directory.path(), error);
+  if (error) fail_to_write(directory.path(), error.value());
+  auto lock = std::make_shared<DirectoryLock>(directory.path(), "campaign");
+  const Campaign campaign =
+      request.sweep ? lay_out(directory, *request.sweep, request.cases, request.text, force_)
+                    : directory.read();
+  for (const CampaignCase& given : campaign.cases)
+    if (!given.refusal.empty()) say(stderr, "{} is refused: {}\n", given.name, given.refusal);
+  if (prepare_ || gather_) {
+    directory.gather(campaign);
+    say(stdout, "{} cases in {}\n", campaign.cases.size(), directory.path().string());
+    return;
+  }
+  std::vector<Job> jobs;
+  for (const ReadCase& read : request.cases)
+    if (read.given && directory.result(read.entry).state != CaseState::ended)
+      jobs.push_back({read.entry.name, *read.given});
+  const std::optional<KnownSpeed> known = known_speed();
+  const KnownSpeed speed = known ? *known : guessed_speed(core_count());
+  if (!jobs.empty()) {
+    std::vector<std::pair<std::string, Case>> cases;
+    for (const Job& job : jobs) cases.emplace_back(job.name, job.given);
+    constexpr double seconds = 5;  // for all predictions of stability; a run makes its own
+    static_cast<void>(advise(cases, seconds / static_cast<double>(cases.size())));
+    choose_width(options, jobs, ranks, at_once);
+    predict(directory, jobs, options, known, speed);
+  }
+  afterwards.work = [directory, campaign, jobs = std::move(jobs), options, speed, lock] {
+    return run_all(directory, campaign, jobs, options, speed);
+  };
+}
+
+int CampaignCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
+  return with_input(comm, [&] {
+    if (ranks_of(comm).all > 1)
+      throw InputError("ductile campaign: starts its runs itself: call it without mpirun");
+    run(prepare(), afterwards);
+  });
+}
+
+}  // namespace ductile::drivers
