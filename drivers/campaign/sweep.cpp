@@ -25,7 +25,18 @@ struct Point {
 
 using Axis = std::vector<Point>;
 
+/// Numbers with the fewest digits that read back as the same.
 std::string toml_text(const toml::node& node) {
+  if (const auto* number = node.as_floating_point(); number && std::isfinite(number->get())) {
+    const std::string text = fmt::format("{}", number->get());
+    return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+  }
+  if (const auto* array = node.as_array()) {
+    std::string text;
+    for (const toml::node& element : *array)
+      text += (text.empty() ? "" : ", ") + toml_text(element);
+    return '[' + text + ']';
+  }
   std::ostringstream text;
   node.visit([&text](const auto& value) { text << toml::toml_formatter{value}; });
   return text.str();
@@ -125,9 +136,10 @@ class Reader {
     bases_.push_back(std::move(base));
   }
 
+  // By the name of the file alone: it is kept with the results, wherever those go.
   [[nodiscard]] std::string place(const toml::node& node) const {
-    return fmt::format("{}:{}:{}", document_.file(), node.source().begin.line,
-                       node.source().begin.column);
+    return fmt::format("{}:{}:{}", fs::path(document_.file()).filename().string(),
+                       node.source().begin.line, node.source().begin.column);
   }
 
   // A scenario's key gets a value, of which messages say where it stands.

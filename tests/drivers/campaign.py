@@ -117,7 +117,7 @@ expect(states(first) == {"slow": "finished", "quick": "finished", "fails": "fail
                          "long": "walltime", "refused": "refused"}, states(first), said)
 failed, refused = rows(first)["fails"], rows(first)["refused"]
 expect("trajectory.csv" in failed["reason"], failed)
-expect(refused["reason"].startswith(endless + ":") and "must be a number from 0 to 1000"
+expect(refused["reason"].startswith("endless.toml:") and "must be a number from 0 to 1000"
        in refused["reason"], refused)
 # The others are what they are alone.
 alone = os.path.join(work, "alone")

@@ -102,6 +102,16 @@ names = ["small", "large"]
   EXPECT_EQ(cases[5].given->scenario.bodies[1].laplace, 50);
   EXPECT_EQ(cases[5].given->scenario.bodies[1].radius, 0.4);
   EXPECT_EQ(cases[5].entry.values, (Names{"50", "50", "0.4", "0.4"}));
+  const Sweep arrays = parse_sweep(R"(
+scenario = "M2"
+[[axis]]
+key = "channel.gravity"
+values = [[0, 0.3, 1e-20]]
+names = ["down"]
+)",
+                                   "c.toml");
+  EXPECT_EQ(arrays.cases[0].values, Names{"[0, 0.3, 1e-20]"});
+  EXPECT_EQ(read_cases(arrays)[0].given->scenario.channel.gravity[1], 0.3);
 }
 
 TEST(Sweep, SeveralScenariosAreAnAxisToo) {
