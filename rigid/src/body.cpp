@@ -95,9 +95,10 @@ void check_options(const Options& options) {
   if (options.corrections < 1)
     reject("corrections = ", options.corrections, ": a body needs at least 1 (default 5)");
   const double bound = 1 / largest_response;
-  if (!(options.relaxation > 0 && options.relaxation <= bound))
+  if (!(options.relaxation > 0 && options.relaxation <= bound)) {
     reject("relaxation = ", options.relaxation, ": choose it above 0 and up to ", bound,
            ", where two surfaces that touch still converge (default 2)");
+  }
   if (!(options.memory >= 0 && options.memory <= largest_memory))
     reject("memory = ", options.memory, ": choose it from 0 to ", largest_memory);
 }
@@ -108,9 +109,10 @@ void check_state(const State& state, std::size_t markers) {
     reject("position and velocities must be finite");
   if (!(std::abs(state.orientation.norm() - 1) < 1e-9))
     reject("orientation has norm ", state.orientation.norm(), ": normalise the quaternion");
-  if (!state.forces.empty() && state.forces.size() != markers)
+  if (!state.forces.empty() && state.forces.size() != markers) {
     reject(markers, " markers have ", state.forces.size(),
            " forces of the step before: give one for each, or none");
+  }
   for (const Vector3d& force : state.forces)
     if (!force.allFinite()) reject("forces of the step before must be finite");
 }
@@ -225,11 +227,12 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
 
   if (options_.motion == Motion::free) {
     const double least = least_density_ratio(surface_, solid_, options_.relaxation);
-    if (!(options_.density_ratio >= least))
+    if (!(options_.density_ratio >= least)) {
       reject("density_ratio = ", options_.density_ratio, " is below ", least,
              ", the least that is stable for a free body with this surface and relaxation ",
              options_.relaxation,
              ": choose it larger, or make the body solid by inner shells (rigid::lined)");
+    }
     balance_.compute(2 * options_.relaxation * area + (options_.density_ratio - 1) * displaced);
   }
   if (options_.memory == 0) {

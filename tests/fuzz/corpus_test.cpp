@@ -42,6 +42,10 @@ TEST(Corpus, OfCommandLinesIsReadOrRefused) {
   feed(fs::path(DUCTILE_CORPUS) / "command_line", fuzz::command_line);
 }
 
+TEST(Corpus, OfCampaignsIsReadOrRefused) {
+  feed(fs::path(DUCTILE_CORPUS) / "campaign", fuzz::campaign);
+}
+
 TEST(Corpus, OfCheckpointsIsRefused) {
   feed(fs::path(DUCTILE_CORPUS) / "checkpoint", fuzz::checkpoint);
 }

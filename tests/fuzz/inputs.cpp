@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "campaign/sweep.hpp"
 #include "checks/read_case.hpp"
 #include "commands/pair.hpp"
 #include "commands/program.hpp"
@@ -47,6 +48,22 @@ void command_line(std::string_view bytes) {
       static_cast<void>(pair->max_walltime());
       static_cast<void>(pair->prepare());
     }
+  } catch (const InputError&) {
+    return;
+  }
+}
+
+void campaign(std::string_view bytes) {
+  try {
+    const Sweep sweep = parse_sweep(bytes, "fuzz.toml");
+    for (const SweptCase& swept : sweep.cases) {
+      if (swept.name.empty() || swept.name.find('/') != std::string::npos ||
+          swept.name.starts_with('.') || swept.values.size() != sweep.axes.size())
+        throw std::logic_error("a case that has no directory");
+    }
+    // One of many is enough.
+    static_cast<void>(
+        parse_case(sweep.cases.back().text, sweep.cases.back().file, sweep.cases.back().overrides));
   } catch (const InputError&) {
     return;
   }

@@ -10,6 +10,9 @@ namespace ductile::drivers::fuzz {
 void scenario(std::string_view bytes);
 /// Arguments, a line each; of `pair` what it makes of them too.
 void command_line(std::string_view bytes);
+/// A campaign file, its cases and the scenario of one of them. Throws std::logic_error if a case
+/// could not have a directory of its name.
+void campaign(std::string_view bytes);
 /// A checkpoint, of which everything is read that a run reads. Throws std::logic_error if bytes
 /// that no run has written pass for one.
 void checkpoint(std::string_view bytes);
