@@ -235,8 +235,10 @@ TEST(Check, NodesAroundBodiesTakeTimeMoreIfBodiesAskForVelocities) {
   const auto many = [](int along, double apart) {
     std::string text;
     for (int b = 0; b < 4 * along; ++b) {
-      text += body(fmt::format("radius = 0.2\nx = {}\ny = {}\nz = {}", b % 2 - 0.5, b / 2 % 2 - 0.5,
-                               (b / 4 - 0.5 * (along - 1)) * apart));
+      const int place = b / 4;
+      const int above = b / 2 % 2;
+      text += body(fmt::format("radius = 0.2\nx = {}\ny = {}\nz = {}", b % 2 - 0.5, above - 0.5,
+                               (place - 0.5 * (along - 1)) * apart));
     }
     return text;
   };
