@@ -12,8 +12,9 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=$top/build
 
 packages=(g++ cmake ninja-build pkg-config libpetsc-real-dev libopenmpi-dev openmpi-bin
-  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libgtest-dev
-  python3-numpy python3-h5py python3-matplotlib)
+  libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libxxhash-dev
+  nlohmann-json3-dev libgtest-dev
+  python3-numpy python3-scipy python3-pandas python3-h5py python3-matplotlib)
 
 say() { printf 'ductile.sh: %s\n' "$*" >&2; }
 

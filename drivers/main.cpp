@@ -76,8 +76,11 @@ int main(int argc, char** argv) {
       exit_code = exit_failure;
     }
   }
-  for (const auto& directory : afterwards.trajectories) plot_trajectory(directory);
-  for (const auto& directory : afterwards.comparisons) plot_comparison(directory);
+  for (const auto& directory : afterwards.trajectories)
+    plot_trajectory(directory, afterwards.format);
+  for (const auto& directory : afterwards.comparisons)
+    plot_comparison(directory, afterwards.format);
+  if (afterwards.picture) exit_code = draw(*afterwards.picture);
   // mpirun ends the job at the first rank that does not return 0, and rank 0 may still be drawing.
   return rank == 0 ? exit_code : exit_success;
 }

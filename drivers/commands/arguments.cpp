@@ -6,6 +6,7 @@
 #include <cctype>
 #include <sstream>
 
+#include "output/plot.hpp"
 #include "output/run_directory.hpp"
 #include "scenario/text.hpp"
 #include "scenario/writer.hpp"
@@ -103,6 +104,17 @@ std::filesystem::path OutputArguments::directory(const std::filesystem::path& us
   std::filesystem::path chosen = directory_.empty() ? usual : std::filesystem::path(directory_);
   require_free(chosen, force_);
   return chosen;
+}
+
+void FormatArgument::declare(CLI::App& command, const std::string& meaning) {
+  command.add_option("--format", format_, meaning)
+      ->type_name("FORMAT")
+      ->check(
+          CLI::IsMember(std::vector<std::string>(picture_formats.begin(), picture_formats.end())));
+}
+
+std::string FormatArgument::format_or_usual() const {
+  return format_.empty() ? std::string(picture_formats[0]) : format_;
 }
 
 }  // namespace ductile::drivers

@@ -44,4 +44,18 @@ class OutputArguments {
   bool force_ = false;
 };
 
+/// --format: of pictures.
+class FormatArgument {
+ public:
+  /// `meaning` says of which, and what is usual.
+  void declare(CLI::App& command, const std::string& meaning);
+  /// Empty unless it is given.
+  [[nodiscard]] const std::string& format() const { return format_; }
+  /// As given, or else the usual one.
+  [[nodiscard]] std::string format_or_usual() const;
+
+ private:
+  std::string format_;
+};
+
 }  // namespace ductile::drivers

@@ -8,16 +8,22 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
+
+#include "output/plot.hpp"
 
 namespace ductile::drivers {
 
-/// What is left to do when MPI is down, for it takes processes of their own: directories of
-/// pictures, and the rest of a command, which gives its exit code. Filled on rank 0.
+/// What is left to do when MPI is down, for it takes processes of their own: pictures, and the rest
+/// of a command. Filled on rank 0.
 struct Afterwards {
-  std::vector<std::filesystem::path> trajectories;
+  std::vector<std::filesystem::path> trajectories;  ///< pictures of runs in these directories
   std::vector<std::filesystem::path> comparisons;
-  std::function<int()> work;
+  std::string format;              ///< of all these
+  std::optional<Picture> picture;  ///< that was asked for, and whose failure is the program's
+  std::function<int()> work;       ///< gives the exit code
 };
 
 class Command {

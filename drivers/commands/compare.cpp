@@ -10,6 +10,7 @@
 #include "commands/input.hpp"
 #include "ductile/membrane/integrator.hpp"
 #include "output/comparison.hpp"
+#include "output/plot.hpp"
 #include "output/run_directory.hpp"
 #include "output/say.hpp"
 #include "run/petsc_options.hpp"
@@ -24,7 +25,7 @@ namespace ductile::drivers {
 namespace {
 
 constexpr const char* comparison_file = "compare.json";
-constexpr const char* comparison_plot = "compare.png";
+constexpr const char* comparison_plot = "compare.";
 
 std::vector<std::string> parsed_integrators(const std::string& argument) {
   const std::vector<std::string_view> known = membrane::integrator_names();
@@ -68,7 +69,10 @@ Case with_integrator(const std::string& text, const std::string& file,
 }
 
 void remove_old_comparison(const std::filesystem::path& directory) {
-  for (const char* name : {comparison_file, comparison_plot}) {
+  std::vector<std::string> names = {comparison_file};
+  for (const std::string_view format : picture_formats)
+    names.push_back(fmt::format("{}{}", comparison_plot, format));
+  for (const std::string& name : names) {
     std::error_code error;
     std::filesystem::remove(directory / name, error);
     if (error) {
@@ -163,6 +167,8 @@ CLI::App* CompareCommand::declare(CLI::App& program) {
       ->type_name("NAME,NAME,...");
   scenario_.declare(*command);
   output_.declare(*command, "runs/NAME_compare by default, with a directory for each integrator");
+  format_.declare(*command,
+                  "Of the pictures, compare.FORMAT and trajectory.FORMAT: png by default");
   return command;
 }
 
@@ -215,6 +221,7 @@ int CompareCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
     if (written != exit_success) results.exit_code = written;
   }
   if (rank_in(comm) == 0) {
+    afterwards.format = format_.format_or_usual();
     for (const std::string& name : results.finished)
       afterwards.trajectories.push_back(variants.directory / name);
     if (has_results(results.exit_code)) afterwards.comparisons.push_back(variants.directory);

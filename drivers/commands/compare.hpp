@@ -34,6 +34,7 @@ class CompareCommand final : public Command {
   std::string integrators_;
   ScenarioArguments scenario_;
   OutputArguments output_;
+  FormatArgument format_;
 };
 
 }  // namespace ductile::drivers

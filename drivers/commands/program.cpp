@@ -13,6 +13,7 @@
 #include "commands/compare.hpp"
 #include "commands/keys.hpp"
 #include "commands/pair.hpp"
+#include "commands/plot.hpp"
 #include "commands/resume.hpp"
 #include "commands/run.hpp"
 #include "output/say.hpp"
@@ -87,6 +88,7 @@ std::vector<std::unique_ptr<Command>> all_commands() {
   commands.push_back(std::make_unique<ResumeCommand>());
   commands.push_back(std::make_unique<CompareCommand>());
   commands.push_back(std::make_unique<CampaignCommand>());
+  commands.push_back(std::make_unique<PlotCommand>());
   commands.push_back(std::make_unique<CheckCommand>());
   commands.push_back(std::make_unique<BenchCommand>());
   commands.push_back(std::make_unique<KeysCommand>());

@@ -39,6 +39,7 @@ void SingleRun::declare_run(CLI::App& command) {
           "Time on the clock after which the run writes a checkpoint and ends with exit code "
           "6: 90s, 30m, 11.5h, 2d, or HH:MM:SS; counted from the start of the program")
       ->type_name("TIME");
+  format_.declare(command, "Of the picture at the end, trajectory.FORMAT: png by default");
 }
 
 void SingleRun::declare_shared(CLI::App& command, const std::string& usual_directory) {
@@ -73,9 +74,10 @@ int SingleRun::execute(MPI_Comm comm, Afterwards& afterwards) {
     print_outcome(*result.summary, directory);
     // Without bodies there is nothing to draw. Who sent a signal may send a last one soon.
     if (result.interrupted && !given.plan.bodies.empty()) {
-      plot_trajectory(directory);
+      plot_trajectory(directory, format_.format_or_usual());
     } else if (!given.plan.bodies.empty()) {
       afterwards.trajectories.push_back(directory);
+      afterwards.format = format_.format_or_usual();
     }
   }
   return result.exit_code;

@@ -45,6 +45,7 @@ class SingleRun : public Command {
   OutputArguments output_;
   bool profile_ = false;
   std::string max_walltime_;
+  FormatArgument format_;
 };
 
 class RunCommand final : public SingleRun {

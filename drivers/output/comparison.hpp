@@ -53,7 +53,7 @@ std::optional<StepCost> step_cost(const RunProfile& profile);
 /// shown as '-'. What made a run fail follows below.
 std::string table(const std::vector<Contender>& contenders);
 
-/// compare.json: the numbers of the table and more, in full; plot_comparison.py reads it. Each
+/// compare.json: the numbers of the table and more, in full; ductile/comparisons.py reads it. Each
 /// run's directory is that of its integrator's name.
 std::string to_json(const std::vector<Contender>& contenders);
 

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "output/say.hpp"
@@ -23,12 +24,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* interpreter = "/usr/bin/python3";
+// Of the script, and of the program.
+constexpr int exit_failed = 1;
+constexpr int exit_refused = 2;
 
-std::optional<fs::path> find_script(const char* name) {
+std::optional<fs::path> find_script() {
+  constexpr const char* name = "plot.py";
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (const fs::path& candidate :
-       {program.parent_path().parent_path() / "share" / "ductile" / name,
+       {program.parent_path().parent_path() / "share" / "ductile" / "python" / name,
         fs::path(DUCTILE_PYTHON_DIR) / name}) {
     if (fs::exists(candidate, error)) return candidate;
   }
@@ -70,23 +75,25 @@ std::string_view last_line(std::string_view text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-/// Lets the script draw `picture` into the directory that is its one argument.
-bool draw(const char* script_name, std::string_view picture, const fs::path& directory) {
-  const auto warn = [picture](std::string_view reason) {
-    say(stderr, "warning: no {}: {}\n", picture, reason);
-    return false;
-  };
-  const auto script = find_script(script_name);
-  if (!script) return warn(fmt::format("{} not found", script_name));
-  std::string python = interpreter;
-  std::string script_text = script->string();
-  std::string directory_text = directory.string();
-  std::array<char*, 4> arguments = {python.data(), script_text.data(), directory_text.data(),
-                                    nullptr};
+/// How drawing has ended.
+struct Ended {
+  int code = exit_failed;
+  std::string complaint;  ///< where it has failed
+};
+
+/// Lets the script draw, with these arguments.
+Ended run_script(std::vector<std::string> words) {
+  const auto script = find_script();
+  if (!script) return {exit_failed, "plot.py not found"};
+  words.insert(words.begin(), {interpreter, script->string()});
+  std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   const std::vector<char*> environment = environment_without_mpi();
 
   std::array<int, 2> messages{};
-  if (pipe2(messages.data(), O_CLOEXEC) != 0) return warn(std::strerror(errno));
+  if (pipe2(messages.data(), O_CLOEXEC) != 0) return {exit_failed, std::strerror(errno)};
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, messages[1], STDERR_FILENO);
@@ -103,24 +110,46 @@ bool draw(const char* script_name, std::string_view picture, const fs::path& dir
   close(messages[1]);
   const std::string said = error == 0 ? read_all(messages[0]) : std::string();
   close(messages[0]);
-  if (error != 0) return warn(fmt::format("{}: {}", interpreter, std::strerror(error)));
+  if (error != 0) return {exit_failed, fmt::format("{}: {}", interpreter, std::strerror(error))};
 
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return warn(std::strerror(errno));
+    if (errno != EINTR) return {exit_failed, std::strerror(errno)};
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return warn(last_line(said));
-  return true;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {0, {}};
+  const bool refused = WIFEXITED(status) && WEXITSTATUS(status) == exit_refused;
+  return {refused ? exit_refused : exit_failed, std::string(last_line(said))};
+}
+
+/// Draws at the end of a run, which says nothing unless it fails.
+bool draw_quietly(const fs::path& directory, std::string_view name, std::string_view format) {
+  const Ended ended =
+      run_script({"--quiet", "--format", std::string(format), "--", directory.string()});
+  if (ended.code == 0) return true;
+  say(stderr, "warning: no {}.{}: {}\n", name, format, ended.complaint);
+  return false;
 }
 
 }  // namespace
 
-bool plot_trajectory(const fs::path& directory) {
-  return draw("plot_trajectory.py", "trajectory.png", directory);
+int draw(const Picture& picture) {
+  std::vector<std::string> words;
+  if (!picture.format.empty()) words.insert(words.end(), {"--format", picture.format});
+  if (!picture.file.empty()) words.push_back("--output=" + picture.file.string());
+  if (picture.map) words.emplace_back("--map");
+  words.emplace_back("--");
+  for (const fs::path& directory : picture.directories) words.push_back(directory.string());
+  const Ended ended = run_script(std::move(words));
+  if (ended.code != 0) say(stderr, "{}\n", ended.complaint);
+  return ended.code;
 }
 
-bool plot_comparison(const fs::path& directory) {
-  return draw("plot_comparison.py", "compare.png", directory);
+bool plot_trajectory(const fs::path& directory, std::string_view format) {
+  return draw_quietly(directory, "trajectory", format);
+}
+
+bool plot_comparison(const fs::path& directory, std::string_view format) {
+  return draw_quietly(directory, "compare", format);
 }
 
 }  // namespace ductile::drivers

@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "output/plot.hpp"
 #include "output/say.hpp"
 #include "scenario/errors.hpp"
 
@@ -28,6 +29,8 @@ constexpr std::array own_files = {"scenario.toml",
                                   "frames",
                                   "summary.json",
                                   "trajectory.png",
+                                  "trajectory.pdf",
+                                  "trajectory.svg",
                                   "checkpoint.h5",
                                   "checkpoint-before.h5",
                                   "checkpoint-refused.h5",
@@ -88,6 +91,13 @@ RunDirectory::RunDirectory(fs::path path) : path_(std::move(path)) {
 
 DirectoryLock::~DirectoryLock() {
   if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::vector<fs::path> RunDirectory::plots() const {
+  std::vector<fs::path> files;
+  for (const std::string_view format : picture_formats)
+    files.push_back(path_ / fmt::format("trajectory.{}", format));
+  return files;
 }
 
 // The lock is on the directory itself, and the system's: it ends with the process, however that

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "output/file.hpp"
 
@@ -30,8 +31,8 @@ class DirectoryLock {
 };
 
 /// A run's directory: scenario.toml, trajectory.csv, run.h5, run.xdmf, frames/, summary.json,
-/// trajectory.png, checkpoint.h5, checkpoint-before.h5, checkpoint-refused.h5, log.txt; and `lock`,
-/// which the system takes from a run that has died.
+/// trajectory.png (or .pdf, .svg), checkpoint.h5, checkpoint-before.h5, checkpoint-refused.h5,
+/// log.txt; and `lock`, which the system takes from a run that has died.
 class RunDirectory {
  public:
   /// Creates `path` and its parents where missing. One that exists must be empty, or `force` be
@@ -45,7 +46,8 @@ class RunDirectory {
   [[nodiscard]] std::filesystem::path scenario() const { return path_ / "scenario.toml"; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.csv"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
-  [[nodiscard]] std::filesystem::path plot() const { return path_ / "trajectory.png"; }
+  /// In every format that there may be.
+  [[nodiscard]] std::vector<std::filesystem::path> plots() const;
   [[nodiscard]] std::filesystem::path checkpoint() const { return path_ / "checkpoint.h5"; }
   [[nodiscard]] std::filesystem::path checkpoint_before() const {
     return path_ / "checkpoint-before.h5";

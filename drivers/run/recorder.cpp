@@ -210,7 +210,8 @@ Recorder::Recorder(const Case& given, const std::filesystem::path& directory,
     if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
   }
   // What came of the end before is not true any more.
-  for (const auto& file : {directory_.summary(), directory_.plot()}) std::filesystem::remove(file);
+  std::filesystem::remove(directory_.summary());
+  for (const auto& file : directory_.plots()) std::filesystem::remove(file);
   directory_.write_scenario(scenario_text);
   if (checkpoint_) return;
   say(stderr, "{}: has no checkpoint yet, and starts from t = 0\n", directory.string());

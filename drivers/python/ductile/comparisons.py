@@ -1,29 +1,23 @@
-#!/usr/bin/python3
-"""Draws compare.png from the compare.json of a directory of `ductile compare`, and from the
-trajectory.csv of each run in it.
+"""The picture of a directory of `ductile compare`.
 
 Lateral positions of all bodies, their difference to the run with the first integrator, the volume
 error of capsules, and what a step costs, part by part.
-
-usage: plot_comparison.py DIRECTORY
 """
-import json
-import sys
 from pathlib import Path
 
-sys.dont_write_bytecode = True  # the scripts may lie where nobody may write
-
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator
 
-from plot_trajectory import BLACK, COLOURS, NAMES, STYLES, read_trajectory
+from . import files
+from .errors import DuctileError
+from .style import BLACK, COLOURS, FAILED, NAMES, STYLES, grid, zero_line
 
 # Away from the colours of the integrators; the membrane's part, which they differ in, stands out.
 PARTS = {"fluid": "#C3CBD6", "interpolation": "#8797AD", "bodies": "#4B2E63",
          "spreading": "#A58BBF", "rest": "#E9E9E9"}
-FAILED = "#B2182B"
 
 
 def colour(i):
@@ -41,12 +35,12 @@ def line(i, runs):
 def read_runs(directory, comparison):
     """Adds to each run its trajectory, as "data"."""
     for run in comparison["runs"]:
-        run["data"] = read_trajectory(directory / run["directory"] / "trajectory.csv")
+        run["data"], _ = files.read_trajectory(directory / run["directory"] / files.RUN_FILE)
     return comparison["runs"]
 
 
 def bodies_of(run):
-    return [name[:-2] for name in run["data"] if name.endswith("_x")]
+    return files.bodies_of(run["data"])
 
 
 def mark_end(axes, run, values, i):
@@ -63,7 +57,7 @@ def draw_lateral(axes, runs):
             axes.plot(run["data"]["t"], x, linestyle=STYLES[b % len(STYLES)] if i else "-",
                       **line(i, runs))
             mark_end(axes, run, x, i)
-    axes.axhline(0, color="#999999", linewidth=0.8, linestyle=(0, (6, 4)), zorder=0)
+    zero_line(axes)
     axes.set_ylabel(r"lateral position  $x/W$")
 
 
@@ -89,7 +83,8 @@ def draw_difference(axes, runs):
         axes.yaxis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=50))
     else:
         axes.set_yticks([])
-        axes.text(0.5, 0.5, "none" if until > 0 else "no time in common", transform=axes.transAxes, ha="center", color="#666666")
+        axes.text(0.5, 0.5, "none" if until > 0 else "no time in common", color="#666666",
+                  transform=axes.transAxes, ha="center")
 
 
 def draw_volume(axes, runs):
@@ -101,7 +96,7 @@ def draw_volume(axes, runs):
             axes.plot(run["data"]["t"], 100 * error,
                       linestyle=STYLES[b % len(STYLES)] if i else "-", **line(i, runs))
             mark_end(axes, run, 100 * error, i)
-    axes.axhline(0, color="#999999", linewidth=0.8, linestyle=(0, (6, 4)), zorder=0)
+    zero_line(axes)
     axes.set_ylabel("volume error  [%]")
 
 
@@ -128,7 +123,7 @@ def draw_cost(axes, runs, bodies_part):
     axes.set_xlabel("wall time of a step  [ms]")
     axes.set_xlim(0, 1.18 * axes.get_xlim()[1])
     labels = [bodies_part if part == "bodies" else part for part in PARTS]
-    axes.legend([plt.Rectangle((0, 0), 1, 1, color=face) for face in PARTS.values()], labels,
+    axes.legend([Rectangle((0, 0), 1, 1, color=face) for face in PARTS.values()], labels,
                 loc="lower center", bbox_to_anchor=(0.5, 1), ncol=len(PARTS), handlelength=1,
                 handleheight=1, columnspacing=1.4)
     for side in ("top", "right", "left"):
@@ -153,19 +148,26 @@ def key(axes, runs):
                 columnspacing=1.6, borderaxespad=0.3)
 
 
-def main(directory):
-    comparison = json.loads((directory / "compare.json").read_text(encoding="utf-8"))
-    runs = read_runs(directory, comparison)
-    figure = plt.figure(figsize=(7.2, 8.4 + 0.32 * len(runs)), layout="constrained")
-    grid = figure.add_gridspec(4, 1, height_ratios=[2.4, 1.9, 1.7, 0.5 + 0.4 * len(runs)])
-    lateral = figure.add_subplot(grid[0])
-    panels = [lateral] + [figure.add_subplot(grid[n], sharex=lateral) for n in (1, 2)]
+def draw(directory):
+    """The picture of the comparison in a directory, as a matplotlib Figure. Raises DuctileError."""
+    file = Path(directory) / files.COMPARISON_FILE
+    comparison = files.read_json(file)
+    try:
+        return _drawn(comparison, read_runs(Path(directory), comparison))
+    except KeyError as error:
+        raise DuctileError(f"{file}: has no {error}") from None
+
+
+def _drawn(comparison, runs):
+    figure = Figure(figsize=(7.2, 8.4 + 0.32 * len(runs)), layout="constrained")
+    places = figure.add_gridspec(4, 1, height_ratios=[2.4, 1.9, 1.7, 0.5 + 0.4 * len(runs)])
+    lateral = figure.add_subplot(places[0])
+    panels = [lateral] + [figure.add_subplot(places[n], sharex=lateral) for n in (1, 2)]
     draw_lateral(panels[0], runs)
     draw_difference(panels[1], runs)
     draw_volume(panels[2], runs)
     for panel in panels:
-        panel.grid(color="#e6e6e6", linewidth=0.6)
-        panel.set_axisbelow(True)
+        grid(panel)
     for panel in panels[:2]:
         panel.tick_params(labelbottom=False)
     end = max(run["time_W2_over_nu"] for run in runs)
@@ -173,20 +175,11 @@ def main(directory):
         lateral.set_xlim(0, end)
     panels[2].set_xlabel(r"time  $t\,\nu/W^2$")
     figure.align_ylabels(panels)
-    costs = figure.add_subplot(grid[3])
+    costs = figure.add_subplot(places[3])
     draw_cost(costs, runs, comparison["bodies_part"])
     key(lateral, runs)
     for panel, letter in zip(panels + [costs], "abcd"):
-        panel.text(-0.2, 1 if letter != "d" else 1.1, letter, transform=panel.transAxes, va="top", fontsize=12,
-                   fontweight="bold", color=BLACK)
+        panel.text(-0.2, 1 if letter != "d" else 1.1, letter, transform=panel.transAxes, va="top",
+                   fontsize=12, fontweight="bold")
     figure.suptitle(comparison["scenario"], fontsize=11, fontweight="bold", color=BLACK)
-    figure.savefig(directory / "compare.png", dpi=150)
-
-
-if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    try:
-        main(Path(sys.argv[1]))
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"plot_comparison.py: {error}")
+    return figure
