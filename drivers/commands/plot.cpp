@@ -25,9 +25,10 @@ CLI::App* PlotCommand::declare(CLI::App& program) {
 }
 
 int PlotCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
-  if (rank_in(comm) == 0)
+  if (rank_in(comm) == 0) {
     afterwards.picture =
         Picture{{directories_.begin(), directories_.end()}, format_.format(), file_, map_};
+  }
   return exit_success;
 }
 

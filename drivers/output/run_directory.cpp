@@ -95,6 +95,7 @@ DirectoryLock::~DirectoryLock() {
 
 std::vector<fs::path> RunDirectory::plots() const {
   std::vector<fs::path> files;
+  files.reserve(picture_formats.size());
   for (const std::string_view format : picture_formats)
     files.push_back(path_ / fmt::format("trajectory.{}", format));
   return files;

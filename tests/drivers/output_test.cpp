@@ -640,10 +640,10 @@ TEST_F(Directory, IsRefusedIfNotEmpty) {
 }
 
 TEST_F(Directory, LosesOnlyItsOwnResultsToForce) {
-  for (const char* name :
-       {"scenario.toml", "trajectory.csv", "run.h5", "run.xdmf", "summary.json", "trajectory.png",
-        "run.xdmf.part", "notes.txt", "my-trajectory.csv", "checkpoint.h5", "checkpoint-before.h5",
-        "checkpoint.h5.part", "log.txt"}) {
+  for (const char* name : {"scenario.toml", "trajectory.csv", "run.h5", "run.xdmf", "summary.json",
+                           "trajectory.png", "run.xdmf.part", "notes.txt", "my-trajectory.csv",
+                           "checkpoint.h5", "checkpoint-before.h5", "checkpoint.h5.part", "log.txt",
+                           "trajectory.pdf", "trajectory.svg", "trajectory.png.part"}) {
     write(name, "old");
   }
   fs::create_directory(directory_ / "frames");
@@ -870,6 +870,27 @@ TEST_F(Plot, IsDrawnOfAPairThatDied) {
   write("summary.json", "{\"status\": \"blew");
   EXPECT_TRUE(plot_trajectory(directory_));
   EXPECT_TRUE(is_png());
+}
+
+TEST_F(Plot, ComesInEveryFormat) {
+  write_trajectory(2, true);
+  for (const auto& [format, begin] :
+       {std::pair("png", "\x89PNG\r\n"), std::pair("pdf", "%PDF"), std::pair("svg", "<?xml")}) {
+    EXPECT_TRUE(plot_trajectory(directory_, format));
+    EXPECT_TRUE(read(directory_ / fmt::format("trajectory.{}", format)).starts_with(begin));
+  }
+}
+
+TEST_F(Plot, ThatWasAskedForGivesACode) {
+  write_trajectory(1, true);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(draw({{directory_}, "", directory_ / "own.svg"}), 0);
+  EXPECT_EQ(draw({{directory_ / "none"}, "", {}}), 2);
+  EXPECT_EQ(draw({{directory_}, "", directory_ / "none" / "own.svg"}), 1);
+  const std::string printed = ::testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(read(directory_ / "own.svg").starts_with("<?xml"));
+  EXPECT_EQ(std::ranges::count(printed, '\n'), 2) << printed;
+  EXPECT_NE(printed.find("none: no such directory"), std::string::npos) << printed;
 }
 
 TEST_F(Plot, OfAComparisonWarnsInOneLineWhereItCannot) {

@@ -152,6 +152,37 @@ TEST_F(Program, ARunWithoutBodiesHasNothingToDraw) {
   EXPECT_FALSE(fs::exists(work() / "out" / "trajectory.png"));
 }
 
+// Whatever commands run, and no picture of an earlier end stays.
+TEST_F(Program, PicturesComeInTheFormatThatIsAskedFor) {
+  const std::string small = quickstart +
+                            " --set channel.nodes=12 --set channel.length=4"
+                            " --set run.time_limit=0.1 ";
+  const Outcome first = run("run " + small + "-o out --format pdf");
+  ASSERT_EQ(first.exit_code, 0) << first.errors;
+  EXPECT_TRUE(contents(work() / "out/trajectory.pdf").starts_with("%PDF")) << first.errors;
+  EXPECT_FALSE(fs::exists(work() / "out/trajectory.png"));
+  const Outcome next = run("resume out --until 0.2 --format svg");
+  ASSERT_EQ(next.exit_code, 0) << next.errors;
+  EXPECT_TRUE(contents(work() / "out/trajectory.svg").starts_with("<?xml")) << next.errors;
+  EXPECT_FALSE(fs::exists(work() / "out/trajectory.pdf"));
+  const Outcome drawn = run("plot out");
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.errors;
+  EXPECT_EQ(drawn.output, "out/trajectory.png\n");
+  EXPECT_TRUE(contents(work() / "out/trajectory.png").starts_with("\x89PNG"));
+  const Outcome compared =
+      run("compare " + small + "--integrators explicit-euler,adams-bashforth -o both --format svg");
+  ASSERT_EQ(compared.exit_code, 0) << compared.errors;
+  EXPECT_TRUE(contents(work() / "both/compare.svg").starts_with("<?xml")) << compared.errors;
+  EXPECT_TRUE(fs::exists(work() / "both/adams-bashforth/trajectory.svg"));
+  for (const std::string wrong :
+       {"run " + small + "-o no --format jpg", std::string("plot none")}) {
+    const Outcome refused = run(wrong);
+    EXPECT_EQ(refused.exit_code, 2) << wrong;
+    EXPECT_EQ(std::count(refused.errors.begin(), refused.errors.end(), '\n'), 1) << refused.errors;
+  }
+  EXPECT_FALSE(fs::exists(work() / "no"));
+}
+
 // A membrane far too stiff for the explicit scheme: what was computed stays, and is named.
 TEST_F(Program, BlowUpEndsWithThreeAndLeavesWhatWasComputed) {
   for (const std::string launch : {"", "mpirun --quiet --bind-to none --oversubscribe -n 2 "}) {

@@ -12,6 +12,9 @@ from scipy import optimize
 from .errors import DuctileError
 from .uncertainty import ONE_SIGMA, TWO_SIGMA, Uncertainty, Value
 
+# error95 over error, of what a series may differ from its model: more than a normal law has.
+_FAR = 2.5
+
 _DATA = {"color": "#8797AD", "linewidth": 3.2, "alpha": 0.55, "solid_capstyle": "butt"}
 _FIT = {"color": "#D55E00", "linewidth": 1.4}
 _LIMIT = {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (5, 2))}
@@ -191,7 +194,7 @@ def fit_relaxation(t, y, start=None, end=None):
     the approach may differ from an exponential: how far apart parts of the window have the
     equilibrium, beyond their own errors, and a quarter of what is still to come. Of 92 cuts through
     recorded runs of pairs, at 40 to 80% of their time, the equilibrium that the whole run leads to
-    was within the error in 7 of 10 and within error95 in 19 of 20 (doc/analysis.md).
+    was within the error in 7 of 10 and within error95 in 9 of 10 (doc/analysis.md).
 
     Returns a Relaxation. A series without a drift beyond its error rests, and its equilibrium is
     the mean. Raises DuctileError where it moves, and no limit follows from how.
@@ -209,17 +212,17 @@ def fit_relaxation(t, y, start=None, end=None):
             # The drift that hides in the noise goes on to the end of the window.
             drift = 0.5 * abs(line.slope.value) * (t[-1] - t[0])
             whole = Value(rest.value, float(np.hypot(rest.error, drift)),
-                          float(np.hypot(rest.error95, 2 * drift)))
+                          float(np.hypot(rest.error95, _FAR * drift)))
             return Relaxation(whole, rest, None, None, known.noise, known.correlation_time, t, y,
                               before)
-        raise DuctileError(f"from t = {t[0]:.4g} on the series moves by {line.slope} per W^2/nu, and "
-                           "approaches no limit that could be told: an earlier start or a longer "
-                           "run may help")
+        raise DuctileError(f"from t = {t[0]:.4g} on the series moves by {line.slope} per W^2/nu, "
+                           "and approaches no limit that could be told: an earlier start or a "
+                           "longer run may help")
     rate, values, known = found
     beside = _misfit(t, y, limit, values[1] * np.exp(-rate * (t[-1] - t[0])))
     time = known.value(1 / rate, [0, 0, -1 / rate**2])
     whole = Value(limit.value, float(np.hypot(limit.error, beside)),
-                  float(np.hypot(limit.error95, 2 * beside)))
+                  float(np.hypot(limit.error95, _FAR * beside)))
     return Relaxation(whole, limit, time, known.value(values[1], [0, 1, 0]), known.noise,
                       known.correlation_time, t, y, before)
 
@@ -309,7 +312,10 @@ def _extrapolated(t, x, target, within, first, fit):
 
 @dataclass(frozen=True)
 class Oscillation:
-    """y = offset + drift (t - t_mid) + amplitude exp(-damping (t - t_0)) cos(2 pi frequency (t - t_0) + phase)
+    """An oscillation that is damped, on a straight line:
+
+    y = offset + drift (t - t_mid)
+        + amplitude exp(-damping (t - t_0)) cos(2 pi frequency (t - t_0) + phase)
 
     with t_0 the start and t_mid the middle of the window. `offset` and `amplitude` (at t_0) [unit
     of y], `drift` [the same per W^2/nu], `damping` [nu/W^2] (negative: it grows), `frequency`
@@ -443,8 +449,8 @@ def _oscillation(t, y, size, parameters):
                            f"{t[-1] - t[0]:.3g} not one of them: no oscillation can be told from a "
                            "drift")
     if damping > 4 * frequency:
-        raise DuctileError(f"the best fit dies out within {1 / damping:.3g}, less than a quarter of "
-                           f"its period of {1 / frequency:.3g}: that is no oscillation")
+        raise DuctileError(f"the best fit dies out within {1 / damping:.3g}, less than a quarter "
+                           f"of its period of {1 / frequency:.3g}: that is no oscillation")
 
     def value(number, gradient, unit=1.0):
         found = known.value(number, gradient)
@@ -459,7 +465,11 @@ def _oscillation(t, y, size, parameters):
         period=value(1 / frequency, [0, 0, 0, 0, 0, -1 / frequency**2]),
         phase=value(np.arctan2(-sine, cosine), [0, 0, sine / square, -cosine / square, 0, 0]),
         noise=known.noise * size, correlation_time=known.correlation_time, t=t, y=y)
-    if result.amplitude.value < 1.5 * result.amplitude.error95:
+    # Of so many oscillations that noise may make one has the largest amplitude (Scargle,
+    # Astrophys. J. 263, 835, 1982); four dampings tried count as another each.
+    length = t[-1] - t[0]
+    trials = 4 * length * min(0.5 / np.median(np.diff(t)), 1 / known.correlation_time)
+    if result.amplitude.value < np.sqrt(2 * np.log(100 * trials)) * result.amplitude.error:
         raise DuctileError(f"no oscillation can be told from the noise: the best fit has the "
                            f"amplitude {result.amplitude}")
     return result

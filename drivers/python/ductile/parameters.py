@@ -18,7 +18,8 @@ DEFAULTS = {
 # What a key is called, and its unit; others by their own name.
 _CALLED = {
     "channel.reynolds": ("Re", ""), "channel.length": ("$L$", "W"), "fluid.tau": (r"$\tau$", ""),
-    "channel.half_width_y": ("half-width along y", "W"), "channel.wall_velocity": ("walls at", "nu/W"),
+    "channel.half_width_y": ("half-width along y", "W"),
+    "channel.wall_velocity": ("walls at", "nu/W"),
     "laplace": ("La", ""), "radius": ("$a$", "W"), "x": ("$x$", "W"), "y": ("$y$", "W"),
     "z": ("$z$", "W"), "area_ratio": ("$k_a/k_s$", ""), "bending": ("$k_b/k_s a^2$", ""),
     "theta": (r"$\theta$", ""), "edge": ("edge", "dx"), "retraction": ("retraction", "dx"),

@@ -76,8 +76,8 @@ def draw(directories, as_map=False):
         if kind == "run":
             return trajectories.draw_run(runs[0]), first / "trajectory"
         _, names = files.read_table(first / files.CAMPAIGN_FILE)
-        figure = trajectories.draw_overlay(runs, first.resolve().name, files.read_axes(first, names))
-        return figure, first / "overlay"
+        axes = files.read_axes(first, names)
+        return trajectories.draw_overlay(runs, first.resolve().name, axes), first / "overlay"
 
 
 def save(figure, file, form):
@@ -93,8 +93,8 @@ def chosen_format(file, form):
     ending = file.suffix[1:].lower() if file is not None else ""
     if form is None:
         if file is not None and ending not in FORMATS:
-            raise DuctileError(f"{file}: must end in .{', .'.join(FORMATS[:-1])} or .{FORMATS[-1]}, "
-                               "or --format must say what it is to be")
+            raise DuctileError(f"{file}: must end in .{', .'.join(FORMATS[:-1])} or "
+                               f".{FORMATS[-1]}, or --format must say what it is to be")
         return ending or FORMATS[0]
     if ending in FORMATS and ending != form:
         raise DuctileError(f"{file}: is to be {form}, by --format, and ends in .{ending}")
@@ -118,7 +118,8 @@ def main(arguments=None):
         print(error, file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"{error.filename or 'the picture'}: {error.strerror or error}", file=sys.stderr)
+        print(f"{str(error.filename or 'the picture').removesuffix('.part')}: "
+              f"{error.strerror or error}", file=sys.stderr)
         return 1
     if not options.quiet:
         print(file)

@@ -12,7 +12,7 @@ towards x. Angles are in degrees, rates in 1/(W^2/nu), that is nu/W^2, in radian
                  tumbles in the plane, 90 one that rolls
 
 An inclination says nothing where the section of the body in the plane is round, such as that of a
-capsule at rest.
+capsule at rest, and a tilt nothing where the two shorter axes are alike, as of a rod.
 """
 from dataclasses import dataclass, field
 
@@ -49,8 +49,8 @@ def second_moments(vertices, triangles):
 
     `vertices` [W], shape (n, 3); `triangles`, shape (m, 3), counterclockwise from outside. By the
     divergence theorem the integral of r_i r_j is that of r_i r_j (r . n)/5 over the surface: for a
-    triangle (a, b, c), on which r . n is constant, (a . b x c)/120 times the sum of v_i v_j over the
-    corners, and of s_i s_j, s = a + b + c. Raises DuctileError for a surface that encloses nothing.
+    triangle (a, b, c), on which r . n is constant, (a . b x c)/120 times the sum of v_i v_j over
+    the corners, and of s_i s_j, s = a + b + c. Raises DuctileError for a surface that encloses nothing.
     """
     vertices = np.asarray(vertices, float)
     around = vertices.mean(axis=0)  # bodies are far down the channel: no digits are lost
@@ -92,8 +92,9 @@ def surface_rotation(vertices, triangles, velocity):
     vertices = np.asarray(vertices, float)
     corners = vertices[np.asarray(triangles)]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    thirds = np.linalg.norm(normals, axis=1) / 6
     areas = np.zeros(len(vertices))
-    np.add.at(areas, np.asarray(triangles).ravel(), np.repeat(np.linalg.norm(normals, axis=1) / 6, 3))
+    np.add.at(areas, np.asarray(triangles).ravel(), np.repeat(thirds, 3))
     apart = vertices - second_moments(vertices, triangles).centroid
     # v = V + omega x r: three rows a vertex, six unknowns.
     rows = np.zeros((len(vertices), 3, 6))
@@ -120,7 +121,8 @@ def marker_of(vertices, centroid):
 
 def surface_angles(run, body):
     """The angles of a body in all frames of a run, as a dict of arrays: "t" [W^2/nu],
-    "inclination", "phase", "tilt" [degrees], and "omega_y" [nu/W^2] where frames have velocities."""
+    "inclination", "phase", "tilt" [degrees], and "omega_y" [nu/W^2] where frames have
+    velocities."""
     columns = {name: [] for name in ("t", "inclination", "phase", "tilt", "omega_y")}
     marker = None
     for number in range(len(run.times)):
@@ -159,11 +161,11 @@ def _unwrapped(t, angle, period, omega, what):
     steps -= period * np.round((steps - foreseen) / period)
     unsure = np.abs(steps - foreseen) > _SURE * period / 2
     if np.any(unsure):
+        against = "" if omega is None else " against what omega_y says"
         raise DuctileError(
-            f"the {what} turns by {steps[unsure][0]:.0f} degrees from t = {t[:-1][unsure][0]:.4g} to "
-            f"{t[1:][unsure][0]:.4g}{'' if omega is None else ' against what omega_y says'}, too far "
-            "to tell which way: samples must be closer (output.every), or the body has no direction "
-            "there")
+            f"the {what} turns by {steps[unsure][0]:.0f} degrees from t = "
+            f"{t[:-1][unsure][0]:.4g} to {t[1:][unsure][0]:.4g}{against}, too far to tell which "
+            "way: samples must be closer (output.every), or the body has no direction there")
     return angle[0] + np.concatenate([[0], np.cumsum(steps)])
 
 
@@ -248,8 +250,8 @@ class Rotation:
 
     def plot(self, axes):
         """Draws the unwrapped angles, and the mean turning of shape and marker."""
-        styles = {"phase": ("#0072B2", self.marker_rate), "inclination": ("#D55E00", self.shape_rate),
-                  "tilt": ("#009E73", None)}
+        styles = {"phase": ("#0072B2", self.marker_rate),
+                  "inclination": ("#D55E00", self.shape_rate), "tilt": ("#009E73", None)}
         for name, values in self.unwrapped.items():
             colour, rate = styles[name]
             axes.plot(self.t, values, color=colour, linewidth=1.6, label=name)

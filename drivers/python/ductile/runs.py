@@ -111,7 +111,7 @@ class Run:
         return four_way(self.summary["verdict"])
 
     def series(self, column):
-        """Times and values of a column, as arrays. Raises DuctileError for one that is not there."""
+        """Times and values of a column, as arrays. Raises DuctileError if it is not there."""
         columns = self._columns[0]
         if column not in columns:
             raise DuctileError(f"{self.directory / files.RUN_FILE}: has no column {column}")

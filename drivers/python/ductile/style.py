@@ -58,9 +58,9 @@ def margin_labels(axes, entries):
     for n, (at, value, error, text, colour) in enumerate(places):
         beside = 1.015 + (0.012 * n if len(places) > 1 else 0)
         if error is not None:
-            axes.errorbar([beside], [value], [[error], [error]], transform=axes.get_yaxis_transform(),
-                          fmt="o", markersize=3, color=colour, elinewidth=1.4, capsize=2.2,
-                          clip_on=False)
+            axes.errorbar([beside], [value], [[error], [error]], fmt="o", markersize=3,
+                          color=colour, elinewidth=1.4, capsize=2.2, clip_on=False,
+                          transform=axes.get_yaxis_transform())
         axes.annotate(text, (1.015 if error is None else 1.035 + 0.012 * (len(places) - 1), at),
                       xycoords="axes fraction", ha="left", va="center", fontsize=8.5, color=colour,
                       annotation_clip=False)

@@ -245,7 +245,8 @@ def draw_run(run):
                            ncol=min(len(run.bodies), 6), handlelength=2.6, columnspacing=1.4)
     verdict, reason = run.outcome
     lines = [(line, BLACK) for line in parameters.wrapped(parameters.headline(run.parameters), 98)]
-    lines += [(line, GREY) for line in textwrap.wrap(reason.replace("+-", "±"), 98, max_lines=2, placeholder=" ...")]
+    lines += [(line, GREY) for line in textwrap.wrap(reason.replace("+-", "±"), 98, max_lines=2,
+                                                     placeholder=" ...")]
     _heading(panels["x"], run.name, verdict, lines)
     figure.align_ylabels(list(panels.values()))
     _say_limits(panels, run)
@@ -284,9 +285,9 @@ def draw_overlay(runs, title=None, keys=None):
     rows = -(-len(runs) // columns)
     figure, panels = _figure(_panels(runs), above=13.2 * max(rows - 2, 0) / 72)
     _draw(panels, runs, colours)
-    legend = panels["x"].legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns,
-                                fontsize=8.5, handlelength=1.8, columnspacing=1.4, labelspacing=0.3,
-                                borderaxespad=0.3)
+    legend = panels["x"].legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1),
+                                ncol=columns, fontsize=8.5, handlelength=1.8, columnspacing=1.4,
+                                labelspacing=0.3, borderaxespad=0.3)
     if len(runs[0].bodies) > 1:
         panels["x"].add_artist(legend)
         panels["x"].legend(
