@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "campaign/process.hpp"
+#include "output/process.hpp"
 #include "commands/program.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/membrane/petsc.hpp"

@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "campaign/board.hpp"
-#include "campaign/process.hpp"
 #include "campaign/watch.hpp"
 #include "output/file.hpp"
+#include "output/process.hpp"
 #include "output/say.hpp"
 #include "run/exit_code.hpp"
 #include "run/progress.hpp"

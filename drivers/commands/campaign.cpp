@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "campaign/engine.hpp"
-#include "campaign/process.hpp"
 #include "checks/advice.hpp"
 #include "checks/disk.hpp"
 #include "checks/memory.hpp"
@@ -21,6 +20,7 @@
 #include "checks/speed.hpp"
 #include "commands/input.hpp"
 #include "commands/run.hpp"
+#include "output/process.hpp"
 #include "output/run_directory.hpp"
 #include "output/say.hpp"
 #include "run/exit_code.hpp"

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "output/process.hpp"
 #include "output/say.hpp"
 
 namespace ductile::drivers {
@@ -38,21 +39,6 @@ std::optional<fs::path> find_script() {
     if (fs::exists(candidate, error)) return candidate;
   }
   return std::nullopt;
-}
-
-/// The environment without what ties a process to a running MPI job.
-std::vector<char*> environment_without_mpi() {
-  std::vector<char*> kept;
-  for (char** entry = environ; *entry != nullptr; ++entry) {
-    const std::string_view text(*entry);
-    bool of_mpi = false;
-    for (const std::string_view prefix : {"OMPI_", "PMIX_", "PMI_", "ORTE_", "PRTE_"}) {
-      of_mpi = of_mpi || text.starts_with(prefix);
-    }
-    if (!of_mpi) kept.push_back(*entry);
-  }
-  kept.push_back(nullptr);
-  return kept;
 }
 
 /// All that can be read from `descriptor` until its other end is closed.
@@ -90,7 +76,10 @@ Ended run_script(std::vector<std::string> words) {
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  const std::vector<char*> environment = environment_without_mpi();
+  std::vector<std::string> texts = environment_without_job();
+  std::vector<char*> environment;
+  for (std::string& text : texts) environment.push_back(text.data());
+  environment.push_back(nullptr);
 
   std::array<int, 2> messages{};
   if (pipe2(messages.data(), O_CLOEXEC) != 0) return {exit_failed, std::strerror(errno)};

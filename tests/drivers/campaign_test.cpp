@@ -13,7 +13,7 @@
 #include "campaign/directory.hpp"
 #include "campaign/engine.hpp"
 #include "campaign/layout.hpp"
-#include "campaign/process.hpp"
+#include "output/process.hpp"
 #include "campaign/sweep.hpp"
 #include "campaign/watch.hpp"
 #include "checks/disk.hpp"

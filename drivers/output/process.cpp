@@ -1,4 +1,4 @@
-#include "campaign/process.hpp"
+#include "output/process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
