@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -91,26 +92,37 @@ Range FluidImpl::slab(int rank) const {
   return {start(rank), start(rank + 1)};
 }
 
-Totals FluidImpl::totals() {
-  const std::vector<double> own = plane_sums();
-  // Planes are summed one by one in their order, whoever holds them.
+// On every rank `each` numbers of every plane, from those of the own planes: so that planes can be
+// summed one by one in their order, whoever holds them.
+std::vector<double> FluidImpl::of_all_planes(const std::vector<double>& own, int each) const {
   std::vector<int> counts;
   std::vector<int> offsets;
   for (int r = 0; r < comm_.size(); ++r) {
     const Range s = slab(r);
-    counts.push_back(4 * s.size());
-    offsets.push_back(4 * s.begin);
+    counts.push_back(each * s.size());
+    offsets.push_back(each * s.begin);
   }
-  std::vector<double> all(4 * static_cast<std::size_t>(options_.nodes[2]));
+  std::vector<double> all(static_cast<std::size_t>(each) *
+                          static_cast<std::size_t>(options_.nodes[2]));
   mpi_check(MPI_Allgatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, all.data(),
                            counts.data(), offsets.data(), MPI_DOUBLE, comm_.get()),
             "MPI_Allgatherv");
+  return all;
+}
+
+Totals FluidImpl::totals() {
+  const std::vector<double> all = of_all_planes(plane_sums(), 4);
   Totals totals;
   for (std::size_t p = 0; p < all.size(); p += 4) {
     totals.mass += all[p];
     totals.momentum += Eigen::Vector3d(all[p + 1], all[p + 2], all[p + 3]);
   }
   return totals;
+}
+
+double FluidImpl::flow() {
+  const std::vector<double> all = of_all_planes(plane_flows(), 1);
+  return std::accumulate(all.begin(), all.end(), 0.0);
 }
 
 Fluid::Fluid(MPI_Comm comm, const Options& options) {
@@ -180,6 +192,9 @@ void Fluid::fields(std::span<double> density, std::span<double> velocity) {
 }
 Totals Fluid::totals() {
   return impl_->totals();
+}
+double Fluid::flow() {
+  return impl_->flow();
 }
 bool Fluid::finite() {
   int all = impl_->finite() ? 1 : 0;

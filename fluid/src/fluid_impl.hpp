@@ -37,6 +37,8 @@ class FluidImpl {
   virtual void load(const StateReader& read) = 0;
   /// The sums of rho - 1 and of rho u of each own plane.
   virtual std::vector<double> plane_sums() = 0;
+  /// The sum of u_z of each own plane.
+  virtual std::vector<double> plane_flows() = 0;
   /// Whether what is looked at of the own slab is finite.
   virtual bool finite() = 0;
   [[nodiscard]] virtual std::size_t memory() const = 0;
@@ -49,6 +51,7 @@ class FluidImpl {
                std::vector<char>& whole) const;
   void update_velocity();
   Totals totals();
+  double flow();
   [[nodiscard]] Box domain() const;
   /// The box, made larger if it must be to hold the image of all that it has below a mirror plane.
   [[nodiscard]] Box with_image(Box box) const;
@@ -92,6 +95,7 @@ class FluidImpl {
  private:
   void place_patches(int index);
   void list_met();
+  [[nodiscard]] std::vector<double> of_all_planes(const std::vector<double>& own, int each) const;
 };
 
 /// Opens a Fluid to the library's own sources and to its tests.

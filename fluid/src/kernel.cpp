@@ -526,6 +526,17 @@ void moments(const Row<Real>& row, int begin, int end, double* density, double* 
 }
 
 template <class Real>
+void add_flow(const Row<Real>& row, int begin, int end, double half_force, double share,
+              double* sum) {
+  for_nodes_ahead(
+      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
+        const Moments<N> m = moments_of<N>(load_nodes<N>(row, k));
+        const Lanes<N> u = (m.z + half_force) / (1.0 + m.density_less_one);
+        store<N>(sum + k, load<N>(sum + k) + share * u);
+      });
+}
+
+template <class Real>
 void stream_row(Row<Real> row, int begin, int end) {
   for_nodes_ahead(
       row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
@@ -558,7 +569,7 @@ namespace DUCTILE_INSTRUCTION_SET {
 template <class Real>
 const Kernel<Real>& kernel() {
   static constexpr Kernel<Real> functions = {collide<Real>, collide_wall<Real>, wall_density<Real>,
-                                             moments<Real>, stream<Real>};
+                                             moments<Real>, add_flow<Real>,     stream<Real>};
   return functions;
 }
 template const Kernel<double>& kernel();

@@ -54,6 +54,9 @@ struct Kernel {
   /// Density less one and momentum, without any force; not for rows on a regularized wall.
   void (*moments)(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
                   double* z);
+  /// sum[k] += share u_z, given half of the force along z; as moments().
+  void (*add_flow)(const Row<Real>& row, int begin, int end, double half_force, double share,
+                   double* sum);
   /// The loads and stores of a collision without the collision: populations change places.
   void (*stream)(const Row<Real>& row, int begin, int end);
 };

@@ -69,6 +69,7 @@ class Populations final : public FluidImpl {
   void save(const StateWriter& write) override;
   void load(const StateReader& read) override;
   std::vector<double> plane_sums() override;
+  std::vector<double> plane_flows() override;
   bool finite() override;
   [[nodiscard]] std::size_t memory() const override;
   [[nodiscard]] std::int64_t bytes_sent() const override { return halo_.bytes_sent(); }
@@ -463,6 +464,24 @@ std::vector<double> Populations<Real>::plane_sums() {
           sums[4 * k + axis] += share * (row[k] * row[axis * planes + k]);
         }
       }
+    }
+  }
+  return sums;
+}
+
+template <class Real>
+std::vector<double> Populations<Real>::plane_flows() {
+  halo_.await_all();
+  const int planes = slab_of_.planes();
+  std::vector<double> sums(static_cast<std::size_t>(planes), 0.0);
+  for (int x = 0; x < nx_; ++x) {
+    for (int y = 0; y < ny_; ++y) {
+      const double share = slab_of_.share(x, y);
+      if (const RowWall* wall = slab_of_.wall(x, y)) {
+        for (double& sum : sums) sum += share * wall->velocity[2];
+        continue;
+      }
+      kernel_.add_flow(complete_row(x, y), 0, planes, 0.5 * options_.force.z(), share, sums.data());
     }
   }
   return sums;

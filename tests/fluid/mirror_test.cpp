@@ -170,6 +170,7 @@ TEST_P(HalfAndWhole, AreTheSame) {
     EXPECT_NEAR(2 * t.mass, t_whole.mass, sum_round_off);
     EXPECT_NEAR(2 * t.momentum.x(), t_whole.momentum.x(), sum_round_off);
     EXPECT_NEAR(2 * t.momentum.z(), t_whole.momentum.z(), sum_round_off);
+    EXPECT_NEAR(2 * half.flow(), whole.flow(), sum_round_off);
   }
 }
 

@@ -16,6 +16,24 @@ namespace {
 using namespace ductile::fluid;
 using ductile::test::patches;
 
+// The integral of u_z over the volume, of a whole fluid's velocity field.
+double flow_of(const Options& o, const std::vector<double>& u) {
+  const auto weight = [&](std::size_t axis, int node) {
+    if (axis == 1 && node == 0 && o.mirror != Mirror::none)
+      return o.mirror == Mirror::on_node ? 0.5 : 1.0;
+    const bool at_end = node == 0 || node == o.nodes[axis] - 1;
+    return at_end && o.boundary[axis] == Boundary::regularized ? 0.5 : 1.0;
+  };
+  double sum = 0;
+  std::size_t n = 2 * u.size() / 3;
+  for (int i = 0; i < o.nodes[0]; ++i) {
+    for (int j = 0; j < o.nodes[1]; ++j) {
+      for (int k = 0; k < o.nodes[2]; ++k) sum += weight(0, i) * weight(1, j) * u[n++];
+    }
+  }
+  return sum;
+}
+
 class Ranks : public testing::TestWithParam<std::tuple<Boundary, Boundary, Storage, Mirror>> {};
 
 TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
@@ -81,6 +99,8 @@ TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
     const Totals b = whole.totals();
     EXPECT_EQ(a.mass, b.mass);
     EXPECT_EQ(a.momentum, b.momentum);
+    EXPECT_EQ(cut.flow(), whole.flow());
+    EXPECT_NEAR(whole.flow(), flow_of(o, u), 1e-15 * static_cast<double>(rho.size()));
   }
 }
 

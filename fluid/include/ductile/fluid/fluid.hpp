@@ -175,6 +175,10 @@ class Fluid {
   void fields(std::span<double> density, std::span<double> velocity);
   /// Collective.
   Totals totals();
+  /// The integral of u_z (half of the uniform force in) over the fluid's volume, summed as Totals
+  /// are: over the number of planes it is the flow rate, by the trapezoidal rule where walls lie on
+  /// nodes, else by that of midpoints. Takes about half as long as a step. Collective.
+  double flow();
   /// Whether density and velocity are finite numbers, on every rank alike. Cheap, for looking often:
   /// only some nodes are looked at, but what is not finite spreads by a node in each step, so that
   /// eight steps after it began none is missed. Collective.
