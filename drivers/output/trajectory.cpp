@@ -32,6 +32,11 @@ void for_group(bool motion, bool capsule, const F& f) {
   }
 }
 
+// How many bodies have a distance to the next one ahead.
+std::size_t ahead(std::size_t bodies) {
+  return bodies > 2 ? bodies : 0;
+}
+
 std::string header(const std::vector<std::string>& names, const std::vector<bool>& capsules) {
   std::string line = "t[W^2/nu]";
   const auto columns = [&](bool motion) {
@@ -43,6 +48,9 @@ std::string header(const std::vector<std::string>& names, const std::vector<bool
   };
   columns(true);
   if (names.size() == 2) line += ",dz[W]";
+  for (std::size_t b = 0; b < ahead(names.size()); ++b)
+    line += fmt::format(",{}_ahead[W]", names[b]);
+  line += ",flow_rate[nu*W]";
   columns(false);
   return line;
 }
@@ -108,7 +116,8 @@ void Trajectory::write(const suspension::Sample& sample) {
   const auto differs = [](const suspension::BodySample& body, bool capsule) {
     return body.capsule != capsule;
   };
-  if (!std::ranges::equal(sample.bodies, capsules_, std::not_fn(differs))) {
+  if (!std::ranges::equal(sample.bodies, capsules_, std::not_fn(differs)) ||
+      sample.ahead.size() != ahead(names_.size())) {
     throw std::invalid_argument(fmt::format(
         "trajectory of {} bodies: a sample has other bodies than its header", names_.size()));
   }
@@ -121,6 +130,8 @@ void Trajectory::write(const suspension::Sample& sample) {
   };
   columns(true);
   if (sample.bodies.size() == 2) add(suspension::axial_distance(sample));
+  for (const double distance : sample.ahead) add(distance);
+  add(sample.flow_rate);
   columns(false);
   write_line(std::move(line));
 }
@@ -150,6 +161,8 @@ suspension::Sample Trajectory::parsed(std::string_view line) const {
   };
   columns(true);
   if (capsules_.size() == 2) static_cast<void>(next());  // of the positions
+  for (std::size_t b = 0; b < ahead(capsules_.size()); ++b) sample.ahead.push_back(next());
+  sample.flow_rate = next();
   columns(false);
   return sample;
 }

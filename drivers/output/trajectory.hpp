@@ -18,6 +18,8 @@ namespace ductile::drivers {
 ///     t[W^2/nu]
 ///     position and velocity of each body: the first motion_quantities of suspension::quantities()
 ///     dz[W] = z_lead - z_lag, of a pair
+///     NAME_ahead[W], suspension::Sample::ahead, of more than two bodies
+///     flow_rate[nu*W], suspension::Sample::flow_rate
 ///     the other quantities that apply, of each body
 /// Numbers have the fewest digits that read back as the same double, so equal runs give equal
 /// files. Each line is handed to the system at once: what was written survives a crash.
@@ -43,7 +45,8 @@ class Trajectory {
                     const std::vector<bool>& capsules);
 
   /// Appends a line. The bodies are those of `names`, in their order. Throws OutputError, or
-  /// std::invalid_argument if their number, or which of them are capsules, is another.
+  /// std::invalid_argument if their number, which of them are capsules, or how many have a distance
+  /// to the next one ahead, is another.
   void write(const suspension::Sample& sample);
   /// Of all lines.
   [[nodiscard]] Extent extent() const;

@@ -284,6 +284,13 @@ Vector3d Shape::semi_axes() const {
   return (moments / std::pow(moments.prod(), 0.2)).cwiseSqrt();
 }
 
+Vector3d Shape::shortest_axis() const {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(inertia);
+  const Vector3d& moments = solver.eigenvalues();
+  const bool distinct = moments[1] - moments[0] > 1e-9 * moments[2];
+  return distinct ? Vector3d(solver.eigenvectors().col(0)) : Vector3d(Vector3d::Zero());
+}
+
 double Shape::taylor_deformation() const {
   const Vector3d axes = semi_axes();
   return (axes[0] - axes[2]) / (axes[0] + axes[2]);

@@ -1,16 +1,56 @@
 #include "ductile/suspension/body.hpp"
 
+#include <Eigen/Cholesky>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "ductile/suspension/markers.hpp"
 
 namespace ductile::suspension {
 namespace {
 
+// U and omega for which the sum of weight |U + omega x arm - velocity|^2 is least.
+struct RigidMotion {
+  Eigen::Vector3d velocity;
+  Eigen::Vector3d angular_velocity;
+};
+RigidMotion nearest_rigid_motion(std::span<const double> weights,
+                                 std::span<const Eigen::Vector3d> arms,
+                                 std::span<const Eigen::Vector3d> velocities) {
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Vector<double, 6> momentum = Eigen::Vector<double, 6>::Zero();
+  for (std::size_t m = 0; m < arms.size(); ++m) {
+    Eigen::Matrix<double, 3, 6> motion;  // velocity at the arm, of U and omega
+    motion.leftCols<3>().setIdentity();
+    for (int a = 0; a < 3; ++a) motion.col(3 + a) = Eigen::Vector3d::Unit(a).cross(arms[m]);
+    normal += weights[m] * motion.transpose() * motion;
+    momentum += weights[m] * motion.transpose() * velocities[m];
+  }
+  const Eigen::Vector<double, 6> nearest = normal.ldlt().solve(momentum);
+  return {nearest.head<3>(), nearest.tail<3>()};
+}
+
+// See Observation::marker.
+std::size_t foremost(std::span<const double> positions, const Eigen::Vector3d& centre) {
+  const auto score = [&](std::size_t n) {
+    return positions[n + 2] - std::abs(positions[n + 1] - centre.y());
+  };
+  std::size_t best = 0;
+  for (std::size_t n = 3; n < positions.size(); n += 3) {
+    if (score(n) > score(best)) best = n;
+  }
+  return best;
+}
+
 class CapsuleBody final : public Body {
  public:
   CapsuleBody(const Plan& plan, const BodyPlan& body)
-      : units_(plan.units), plan_(body), capsule_(make(plan, body)), markers_(*capsule_) {}
+      : units_(plan.units),
+        plan_(body),
+        capsule_(make(plan, body)),
+        markers_(*capsule_),
+        marker_(foremost(capsule_->positions(), body.centre)) {}
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
   [[nodiscard]] std::span<const double> positions() const override { return capsule_->positions(); }
@@ -26,8 +66,10 @@ class CapsuleBody final : public Body {
     membrane::petsc_check(VecWAXPY(before.get(), -1, capsule_->state().velocities.get(),
                                    capsule_->state().positions.get()));
     const Eigen::Vector3d displacement = shape.centroid - shell.shape(before.get()).centroid;
-    return {units_,           plan_,          shape.centroid, displacement,
-            capsule_->slip(), capsule_.get(), shape,          nullptr};
+    Observation seen{units_,           plan_,          shape.centroid, displacement, turning(shape),
+                     capsule_->slip(), capsule_.get(), shape};
+    seen.marker = Eigen::Vector3d::Map(&positions()[marker_]);
+    return seen;
   }
   [[nodiscard]] membrane::SolveStatistics solver() const override { return capsule_->statistics(); }
   void save(const StateWriter& write) const override { capsule_->save(write); }
@@ -51,10 +93,25 @@ class CapsuleBody final : public Body {
                                                velocities);
   }
 
+  // Observation::angular_velocity.
+  [[nodiscard]] Eigen::Vector3d turning(const membrane::Shape& shape) const {
+    surface::Mesh now{{}, capsule_->shell().triangles()};
+    std::vector<Eigen::Vector3d> arms;
+    std::vector<Eigen::Vector3d> vertex_velocities;
+    for (std::size_t n = 0; n < positions().size(); n += 3) {
+      now.vertices.emplace_back(Eigen::Vector3d::Map(&positions()[n]));
+      arms.emplace_back(now.vertices.back() - shape.centroid);
+      vertex_velocities.emplace_back(Eigen::Vector3d::Map(&velocities()[n]));
+    }
+    return nearest_rigid_motion(surface::vertex_areas(now), arms, vertex_velocities)
+        .angular_velocity;
+  }
+
   const Units& units_;
   const BodyPlan& plan_;
   std::unique_ptr<membrane::Capsule> capsule_;
   CapsuleMarkers markers_;
+  std::size_t marker_;  // where its coordinates are among the positions
 };
 
 class RigidBody final : public Body {
@@ -81,7 +138,10 @@ class RigidBody final : public Body {
   [[nodiscard]] std::span<const double> forces() const override { return {}; }
   [[nodiscard]] Observation observe() const override {
     const rigid::State& state = body_.state();
-    return {units_, plan_, state.position, state.velocity, body_.slip().max, nullptr, {}, &body_};
+    Observation seen{units_,          plan_, state.position, state.velocity, state.angular_velocity,
+                     body_.slip().max};
+    seen.rigid = &body_;
+    return seen;
   }
   void save(const StateWriter& write) const override {
     body_.save(write);
@@ -97,20 +157,16 @@ class RigidBody final : public Body {
   // the flow gives its surface, without force or torque in eqs. (13)-(14). Any other starts at
   // rest, and its first step depends on that.
   static void drift(const InitialFlow& flow, const rigid::Surface& surface, rigid::State& state) {
-    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Vector<double, 6> momentum = Eigen::Vector<double, 6>::Zero();
-    for (std::size_t m = 0; m < surface.markers.size(); ++m) {
-      const Eigen::Vector3d arm = state.orientation * surface.markers[m];
-      const Eigen::Vector3d x = state.position + arm;
-      Eigen::Matrix<double, 3, 6> motion;  // velocity of the marker, of U and omega
-      motion.leftCols<3>().setIdentity();
-      for (int a = 0; a < 3; ++a) motion.col(3 + a) = Eigen::Vector3d::Unit(a).cross(arm);
-      normal += surface.areas[m] * motion.transpose() * motion;
-      momentum += surface.areas[m] * motion.transpose() * flow.at(x.x(), x.y()).velocity;
+    std::vector<Eigen::Vector3d> arms;
+    std::vector<Eigen::Vector3d> velocities;
+    for (const Eigen::Vector3d& marker : surface.markers) {
+      arms.emplace_back(state.orientation * marker);
+      const Eigen::Vector3d x = state.position + arms.back();
+      velocities.push_back(flow.at(x.x(), x.y()).velocity);
     }
-    const Eigen::Vector<double, 6> velocities = normal.ldlt().solve(momentum);
-    state.velocity = velocities.head<3>();
-    state.angular_velocity = velocities.tail<3>();
+    const RigidMotion start = nearest_rigid_motion(surface.areas, arms, velocities);
+    state.velocity = start.velocity;
+    state.angular_velocity = start.angular_velocity;
   }
   static rigid::Body make(const Plan& plan, const BodyPlan& body) {
     const RigidPlan& kind = *body.rigid();

@@ -67,8 +67,9 @@ const Body* Suspension::own(std::size_t body) const {
   return nullptr;
 }
 
-Sample Suspension::sample() const {
+Sample Suspension::sample() {
   const Gather gather(comm());
+  const double flow = fluid_.flow() / plan_.length();
   Sample all;
   for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
     BodySample body;
@@ -77,7 +78,15 @@ Sample Suspension::sample() const {
     body.capsule = plan_.bodies[b].capsule() != nullptr;
     if (rank() == 0) all.bodies.push_back(std::move(body));
   }
-  if (rank() == 0) all.time = time();
+  if (rank() != 0) return all;
+  all.time = time();
+  const double halves = plan_.fluid.mirror == fluid::Mirror::none ? 1 : 2;
+  all.flow_rate = plan_.units.flow_rate(halves * flow);
+  if (all.bodies.size() > 2) {
+    std::vector<double> z;
+    for (const BodySample& body : all.bodies) z.push_back(body.position().z());
+    all.ahead = distances_ahead(z, plan_.units.length(plan_.length()));
+  }
   return all;
 }
 

@@ -55,6 +55,9 @@ struct Shape {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   /// Semi-axes of the ellipsoid with the same inertia, longest first.
   [[nodiscard]] Eigen::Vector3d semi_axes() const;
+  /// Direction of that ellipsoid's shortest axis, either way: of length 1. None, 0, where two are
+  /// the shortest: in their second moments equal within 1e-9.
+  [[nodiscard]] Eigen::Vector3d shortest_axis() const;
   /// Taylor's deformation (L - B)/(L + B) of that ellipsoid, L its longest, B its shortest axis.
   [[nodiscard]] double taylor_deformation() const;
 };

@@ -22,10 +22,16 @@ struct Observation {
   /// Of the centroid in the latest step; before the first the velocity with which the body starts:
   /// the initial flow's on its surface, 0 of a rigid body that is not as dense as the fluid.
   Eigen::Vector3d displacement;
+  /// In the latest step, or with which the body starts. Of a capsule that of the rigid motion which
+  /// comes nearest to the velocities of its vertices: least squares, weighted with their areas.
+  Eigen::Vector3d angular_velocity;
   double slip = 0;                             ///< largest of surface minus fluid velocity
   const membrane::Capsule* capsule = nullptr;  ///< null unless it is one
   membrane::Shape moments{};                   ///< of the capsule
-  const rigid::Body* rigid = nullptr;          ///< null unless it is one
+  /// The capsule's vertex that starts furthest along z and nearest to the plane across y through
+  /// its centre: of all the one with the largest z - |y - y_centre|.
+  Eigen::Vector3d marker = Eigen::Vector3d::Zero();
+  const rigid::Body* rigid = nullptr;  ///< null unless it is one
 };
 
 /// A number that is recorded of bodies.
@@ -67,7 +73,18 @@ BodySample sample(const Observation& body);
 struct Sample {
   double time = 0;
   std::vector<BodySample> bodies;
+  /// Integral of u_z over the channel's cross-section, its mean over z [nu W]: the trapezoidal rule
+  /// where walls lie on nodes, else that of midpoints, both of second order. u is that of
+  /// Suspension::fields(); what a mirror plane leaves out is counted.
+  double flow_rate = 0;
+  /// Of more than two bodies distances_ahead() [W], else nothing.
+  std::vector<double> ahead;
 };
+
+/// From each body to the next one ahead along z, in a channel that repeats after `length`: not
+/// negative, and all together the length. Of bodies at the same z the later one in the list is
+/// ahead.
+std::vector<double> distances_ahead(std::span<const double> z, double length);
 
 /// Axial distance of a pair, z_lead - z_lag [W]: negative once the two have swapped places.
 inline double axial_distance(const Sample& sample) {

@@ -75,7 +75,7 @@ class Suspension {
   [[nodiscard]] bool finite() { return fluid_.finite(); }
 
   /// What follows is on rank 0 alone; other ranks get empty lists.
-  [[nodiscard]] Sample sample() const;
+  [[nodiscard]] Sample sample();
   [[nodiscard]] std::vector<membrane::SolveStatistics> solvers() const;
   [[nodiscard]] std::vector<SurfaceState> surfaces() const;
   [[nodiscard]] FluidState fields();

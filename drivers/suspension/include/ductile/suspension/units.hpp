@@ -14,10 +14,11 @@ inline double lattice_viscosity(double tau) {
 }
 
 /// In the paper lengths are in W, half the channel's width along x, times in W^2/nu, velocities in
-/// nu/W, forces in rho nu^2 and pressures in rho nu^2/W^2; positions are taken from the channel's
-/// axis and the middle of its length. A function called lattice_... takes a number in the paper's
-/// unit and gives it in lattice units; one without that prefix goes the other way. Energies are
-/// counted in k_s a^2 of the capsule that has them (BodyPlan::energy_unit).
+/// nu/W, angular velocities in nu/W^2, flow rates in nu W, forces in rho nu^2, torques in rho nu^2
+/// W and pressures in rho nu^2/W^2; positions are taken from the channel's axis and the middle of
+/// its length. A function called lattice_... takes a number in the paper's unit and gives it in
+/// lattice units; one without that prefix goes the other way. Energies are counted in k_s a^2 of
+/// the capsule that has them (BodyPlan::energy_unit).
 class Units {
  public:
   Units() = default;
@@ -54,11 +55,18 @@ class Units {
     return lattice * (W_ / nu_);
   }
 
+  [[nodiscard]] Eigen::Vector3d angular_velocity(const Eigen::Vector3d& lattice) const {
+    return lattice * (W_ * W_ / nu_);
+  }
+  /// Of a volume per time.
+  [[nodiscard]] double flow_rate(double lattice) const { return lattice * (1 / (nu_ * W_)); }
+
   [[nodiscard]] Eigen::Vector3d lattice_acceleration(const Eigen::Vector3d& acceleration) const {
     return acceleration * (nu_ * nu_ / (W_ * W_ * W_));
   }
 
   [[nodiscard]] double force(double lattice) const { return lattice * (1 / (nu_ * nu_)); }
+  [[nodiscard]] double torque(double lattice) const { return lattice * (1 / (nu_ * nu_ * W_)); }
   [[nodiscard]] double lattice_pressure(double pressure) const {
     return pressure * nu_ * nu_ / (W_ * W_);
   }
