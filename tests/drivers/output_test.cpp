@@ -77,6 +77,13 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
+/// Quantities after those of all bodies that go on to the end of a row.
+std::vector<const char*> only_of(bool capsule) {
+  if (capsule) return {"inclination", "phase", "tilt"};
+  return {"qw",      "qx",      "qy",       "qz",       "force_x",
+          "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+}
+
 /// Numbers that no short decimal stands for.
 Sample awkward_sample(double time) {
   Sample sample{time, std::vector<BodySample>(2)};
@@ -94,7 +101,10 @@ Sample awkward_sample(double time) {
     body["volume_error"] = -std::pow(s, -7);
     body["strain_energy"] = 0.1 + 0.2;
     body["slip"] = 1 / s;
+    for (const char* name : only_of(body.capsule)) body[name] = 1 / (s + name[0]);
+    for (const char* name : {"omega_x", "omega_y", "omega_z"}) body[name] = -s / name[6];
   }
+  sample.flow_rate = std::exp(time);
   return sample;
 }
 
@@ -115,8 +125,14 @@ TEST_F(TrajectoryFile, ReadsBackBitForBit) {
   EXPECT_EQ(lines[0],
             "t[W^2/nu],lead_x[W],lead_y[W],lead_z[W],lead_vx[nu/W],lead_vy[nu/W],lead_vz[nu/W],"
             "lag_x[W],lag_y[W],lag_z[W],lag_vx[nu/W],lag_vy[nu/W],lag_vz[nu/W],dz[W],"
-            "lead_slip[nu/"
-            "W],lag_deformation[1],lag_volume_error[1],lag_strain_energy[k_s*a^2],lag_slip[nu/W]");
+            "flow_rate[nu*W],"
+            "lead_slip[nu/W],lead_omega_x[nu/W^2],lead_omega_y[nu/W^2],lead_omega_z[nu/W^2],"
+            "lead_qw[1],lead_qx[1],lead_qy[1],lead_qz[1],"
+            "lead_force_x[rho*nu^2],lead_force_y[rho*nu^2],lead_force_z[rho*nu^2],"
+            "lead_torque_x[rho*nu^2*W],lead_torque_y[rho*nu^2*W],lead_torque_z[rho*nu^2*W],"
+            "lag_deformation[1],lag_volume_error[1],lag_strain_energy[k_s*a^2],lag_slip[nu/W],"
+            "lag_omega_x[nu/W^2],lag_omega_y[nu/W^2],lag_omega_z[nu/W^2],"
+            "lag_inclination[deg],lag_phase[deg],lag_tilt[deg]");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& s = samples[i];
     std::vector<double> expected = {s.time};
@@ -124,11 +140,15 @@ TEST_F(TrajectoryFile, ReadsBackBitForBit) {
       for (const char* name : {"x", "y", "z", "vx", "vy", "vz"}) expected.push_back(body[name]);
     }
     expected.push_back(s.bodies[0]["z"] - s.bodies[1]["z"]);
-    expected.push_back(s.bodies[0]["slip"]);
-    expected.push_back(s.bodies[1]["deformation"]);
-    expected.push_back(s.bodies[1]["volume_error"]);
-    expected.push_back(s.bodies[1]["strain_energy"]);
-    expected.push_back(s.bodies[1]["slip"]);
+    expected.push_back(s.flow_rate);
+    const auto add = [&](std::size_t b, const std::vector<const char*>& names) {
+      for (const char* name : names) expected.push_back(s.bodies[b][name]);
+    };
+    add(0, {"slip", "omega_x", "omega_y", "omega_z"});
+    add(0, only_of(false));
+    add(1, {"deformation", "volume_error", "strain_energy", "slip"});
+    add(1, {"omega_x", "omega_y", "omega_z"});
+    add(1, only_of(true));
     const auto fields = split(lines[i + 1], ',');
     ASSERT_EQ(fields.size(), expected.size());
     for (std::size_t j = 0; j < fields.size(); ++j) {
@@ -163,6 +183,7 @@ TEST_F(TrajectoryFile, GoesOnAfterWhatIsVouchedFor) {
     ASSERT_EQ(samples.size(), first.size());
     for (std::size_t i = 0; i < first.size(); ++i) {
       EXPECT_EQ(samples[i].time, first[i].time);
+      EXPECT_EQ(samples[i].flow_rate, first[i].flow_rate);
       for (std::size_t b = 0; b < 2; ++b) {
         EXPECT_EQ(samples[i].bodies[b].capsule, first[i].bodies[b].capsule);
         EXPECT_EQ(samples[i].bodies[b].values, first[i].bodies[b].values) << i << " " << b;
@@ -196,8 +217,34 @@ TEST_F(TrajectoryFile, HasNoDistanceUnlessOfAPair) {
   Sample sample{0, std::vector<BodySample>(1)};
   trajectory.write(sample);
   EXPECT_EQ(read(directory_ / "t.csv").find("dz"), std::string::npos);
+  EXPECT_EQ(read(directory_ / "t.csv").find("ahead"), std::string::npos);
   sample.bodies.resize(2);
   EXPECT_THROW(trajectory.write(sample), std::invalid_argument);
+}
+
+// Of more than two bodies there is that to the next one ahead, which comes back as it went.
+TEST_F(TrajectoryFile, HasTheDistancesAheadOfMoreThanTwo) {
+  const fs::path file = directory_ / "t.csv";
+  const std::vector<std::string> names = {"a", "b", "c"};
+  const std::vector<bool> capsules(3, false);
+  Trajectory::Extent kept;
+  {
+    Trajectory trajectory(file, names, capsules);
+    Sample sample{0, std::vector<BodySample>(3), 0.25, {0.5, 1.0 / 3, 3}};
+    trajectory.write(sample);
+    kept = trajectory.extent();
+    sample.ahead.pop_back();
+    EXPECT_THROW(trajectory.write(sample), std::invalid_argument);
+  }
+  const std::string text = read(file);
+  EXPECT_NE(text.find("c_vz[nu/W],a_ahead[W],b_ahead[W],c_ahead[W],flow_rate[nu*W],a_slip"),
+            std::string::npos)
+      << text;
+  std::vector<Sample> samples;
+  const Trajectory trajectory(file, names, capsules, kept, samples);
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_EQ(samples[0].ahead, (std::vector<double>{0.5, 1.0 / 3, 3}));
+  EXPECT_EQ(samples[0].flow_rate, 0.25);
 }
 
 TEST_F(TrajectoryFile, RefusesWhatItCannotWrite) {
@@ -847,6 +894,7 @@ class Plot : public Output {
         sample.bodies[b]["z"] = 0.1 * i;
         sample.bodies[b].capsule = capsules;
       }
+      if (bodies > 2) sample.ahead.assign(bodies, 1);
       trajectory.write(sample);
     }
   }

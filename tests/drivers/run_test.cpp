@@ -230,7 +230,7 @@ TEST_F(Run, ThatHasNoBodyHasOneHeaderAndRows) {
   std::ifstream file(directory_ / "trajectory.csv");
   std::string line;
   std::getline(file, line);
-  EXPECT_EQ(line, "t[W^2/nu]");
+  EXPECT_EQ(line, "t[W^2/nu],flow_rate[nu*W]");
   std::vector<double> times;
   while (std::getline(file, line)) times.push_back(std::stod(line));
   ASSERT_EQ(times.size(), 5U);

@@ -14,41 +14,14 @@
 
 #include "ductile/fluid/duct.hpp"
 #include "membrane/own_integrator.hpp"
+#include "suspension/plans.hpp"
 
 namespace ductile::suspension {
 namespace {
 
-Plan channel(std::array<int, 3> nodes) {
-  Plan plan;
-  plan.fluid.nodes = nodes;
-  plan.fluid.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway,
-                         fluid::Boundary::periodic};
-  plan.fluid.tau = 0.9;
-  plan.units = Plan::channel_units(plan.fluid);
-  plan.drive(10);
-  return plan;
-}
-
-BodyPlan body(const Plan& plan, const std::string& name, const std::string& shape,
-              const Eigen::Vector3d& at, double radius = 0.3) {
-  BodyPlan body;
-  body.name = name;
-  body.shape = surface::make_shape(shape, plan.units.lattice_length(radius));
-  body.frequency = surface::frequency_for_edge(body.shape->radius(), 1.2);
-  body.centre = plan.units.lattice_position(at);
-  return body;
-}
-
-CapsulePlan capsule(const Plan& plan, const membrane::Scheme& scheme, double laplace) {
-  const double a = plan.units.lattice_length(0.3);
-  CapsulePlan capsule;
-  capsule.moduli.k_s = plan.units.lattice_shear_modulus(laplace, a);
-  capsule.moduli.k_a = 2 * capsule.moduli.k_s;
-  capsule.moduli.k_b = 2.87e-3 * capsule.moduli.k_s * a * a;
-  capsule.moduli.k_v = 1;
-  capsule.integrator = scheme;
-  return capsule;
-}
+using test::body;
+using test::capsule;
+using test::channel;
 
 /// Every kind of body and of integrator, in near contact and across the periodic end.
 Plan everything(fluid::Storage storage) {
@@ -156,6 +129,8 @@ struct View {
   explicit View(Suspension& suspension) {
     const Sample sample = suspension.sample();
     numbers.push_back(sample.time);
+    numbers.push_back(sample.flow_rate);
+    append(sample.ahead);
     for (const BodySample& body : sample.bodies) append(body.values);
     for (const SurfaceState& surface : suspension.surfaces()) {
       append(surface.position);
