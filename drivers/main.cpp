@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "output/process.hpp"
 #include "commands/program.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/membrane/petsc.hpp"
 #include "output/plot.hpp"
+#include "output/process.hpp"
 #include "output/say.hpp"
 #include "run/exit_code.hpp"
 #include "run/petsc_options.hpp"
