@@ -89,8 +89,9 @@ int concluded(const CampaignDirectory& directory, const std::string& name, const
 }
 
 struct Lane {
-  Lane(std::size_t job, Process started, const fs::path& trajectory, const Case& given, double now)
-      : job(job),
+  Lane(std::size_t its_job, Process started, const fs::path& trajectory, const Case& given,
+       double now)
+      : job(its_job),
         process(std::move(started)),
         watch(trajectory, given.scenario.run.stop_distance),
         since(now) {}

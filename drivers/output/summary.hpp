@@ -35,8 +35,8 @@ struct BlowUp {
   std::string body;                   ///< empty: the fluid
   std::optional<std::size_t> vertex;  ///< of the body, where one is known
   std::string reason;
-  std::optional<Eigen::Vector3d> place;  ///< [W]; z in the channel
-  std::string cause;                     ///< the likely one
+  std::optional<Eigen::Vector3d> place{};  ///< [W]; z in the channel
+  std::string cause{};                     ///< the likely one
 
   /// "the fluid" or "body NAME".
   [[nodiscard]] std::string who() const { return body.empty() ? "the fluid" : "body " + body; }

@@ -174,7 +174,7 @@ TEST_F(Program, PicturesComeInTheFormatThatIsAskedFor) {
   ASSERT_EQ(compared.exit_code, 0) << compared.errors;
   EXPECT_TRUE(contents(work() / "both/compare.svg").starts_with("<?xml")) << compared.errors;
   EXPECT_TRUE(fs::exists(work() / "both/adams-bashforth/trajectory.svg"));
-  for (const std::string wrong :
+  for (const std::string& wrong :
        {"run " + small + "-o no --format jpg", std::string("plot none")}) {
     const Outcome refused = run(wrong);
     EXPECT_EQ(refused.exit_code, 2) << wrong;

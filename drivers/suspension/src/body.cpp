@@ -31,14 +31,15 @@ RigidMotion nearest_rigid_motion(std::span<const double> weights,
   return {nearest.head<3>(), nearest.tail<3>()};
 }
 
-// See Observation::marker.
+// See Observation::marker. Of those that a mesh's symmetry makes alike the first, whatever round-off
+// says.
 std::size_t foremost(std::span<const double> positions, const Eigen::Vector3d& centre) {
   const auto score = [&](std::size_t n) {
     return positions[n + 2] - std::abs(positions[n + 1] - centre.y());
   };
   std::size_t best = 0;
   for (std::size_t n = 3; n < positions.size(); n += 3) {
-    if (score(n) > score(best)) best = n;
+    if (score(n) > score(best) + 1e-9) best = n;
   }
   return best;
 }

@@ -78,7 +78,7 @@ struct Sample {
   /// Suspension::fields(); what a mirror plane leaves out is counted.
   double flow_rate = 0;
   /// Of more than two bodies distances_ahead() [W], else nothing.
-  std::vector<double> ahead;
+  std::vector<double> ahead{};
 };
 
 /// From each body to the next one ahead along z, in a channel that repeats after `length`: not
