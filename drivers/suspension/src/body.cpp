@@ -31,8 +31,8 @@ RigidMotion nearest_rigid_motion(std::span<const double> weights,
   return {nearest.head<3>(), nearest.tail<3>()};
 }
 
-// See Observation::marker. Of those that a mesh's symmetry makes alike the first, whatever round-off
-// says.
+// See Observation::marker. Of those that a mesh's symmetry makes alike the first, whatever
+// round-off says.
 std::size_t foremost(std::span<const double> positions, const Eigen::Vector3d& centre) {
   const auto score = [&](std::size_t n) {
     return positions[n + 2] - std::abs(positions[n + 1] - centre.y());
