@@ -98,18 +98,8 @@ case ${1:-} in
       exit 2
     fi
     shift 2
-    config=()  # Snakemake takes one --config: what is given here is joined with where the program is
-    others=()
-    while [ $# -gt 0 ]; do
-      if [ "$1" = --config ]; then
-        shift
-        while [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; do config+=("$1"); shift; done
-      else
-        others+=("$1"); shift
-      fi
-    done
-    exec snakemake --snakefile "$top/drivers/campaign/Snakefile" --directory "$campaign" --keep-going \
-      "${others[@]}" --config "ductile=$build/drivers/ductile" "${config[@]}"
+    DUCTILE=$build/drivers/ductile exec snakemake --snakefile "$top/drivers/campaign/Snakefile" \
+      --directory "$campaign" --keep-going "$@"
     ;;
   run | pair | resume | compare | bench)
     make_target ductile

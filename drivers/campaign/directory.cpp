@@ -123,6 +123,7 @@ CaseResult result_of(const CampaignCase& given, const json& summary, const fs::p
     result.state = result.status == "walltime"      ? CaseState::walltime
                    : result.status == "interrupted" ? CaseState::unfinished
                                                     : CaseState::ended;
+    if (result.state == CaseState::unfinished) result.status = "unfinished";
   } else if (fs::exists(run / "trajectory.csv", error)) {
     result.state = CaseState::unfinished;
     result.status = "unfinished";
@@ -220,7 +221,9 @@ void CampaignDirectory::gather(const Campaign& campaign) const {
     for (const std::string& value : given.values) cells.push_back(cell_of(value));
     cells.push_back(result.status);
     cells.push_back(result.verdict);
-    const json known = summary.is_object() ? summary : json::object();
+    // What a case that failed or is refused has come to before is not what it is now.
+    const bool counts = result.state != CaseState::failed && result.state != CaseState::refused;
+    const json known = counts && summary.is_object() ? summary : json::object();
     cells.push_back(cell_of(number(known, "verdict_time")));
     cells.push_back(cell_of(result.time));
     cells.push_back(cell_of(result.dz));

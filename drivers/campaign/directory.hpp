@@ -42,7 +42,8 @@ enum class CaseState {
 /// A case as its files tell it.
 struct CaseResult {
   CaseState state = CaseState::waiting;
-  /// How the run ended ("decided", "blew up"), or "waiting", "unfinished", "failed", "refused".
+  /// How the run ended ("decided", "blew up", "walltime"), or "waiting", "unfinished", "failed",
+  /// "refused".
   std::string status;
   std::string verdict;  ///< of a pair
   std::string reason;   ///< of the verdict, the failure, the refusal

@@ -17,6 +17,7 @@
 #include "campaign/watch.hpp"
 #include "output/file.hpp"
 #include "output/process.hpp"
+#include "output/run_directory.hpp"
 #include "output/say.hpp"
 #include "run/exit_code.hpp"
 #include "run/progress.hpp"
@@ -31,7 +32,8 @@ constexpr double start_and_picture = 2;  // seconds of a run that are no steps
 constexpr auto nap = std::chrono::milliseconds(100);
 constexpr double look_interval = 1;  // s
 /// A run that was told to end has this long to write its checkpoint and picture.
-constexpr double patience = 120;  // s
+constexpr double patience = 120;           // s
+constexpr double patience_of_a_kill = 10;  // s, from SIGTERM to SIGKILL
 
 std::vector<std::string> command(const CampaignDirectory& directory, const std::string& name,
                                  const EngineOptions& options) {
@@ -72,13 +74,20 @@ Process started(const CampaignDirectory& directory, const std::string& name,
   return {command(directory, name, options), options.environment, directory.said(name)};
 }
 
-/// A run's exit code; what is none of a run that has ended is kept as a failure.
-int concluded(const CampaignDirectory& directory, const std::string& name, const Ending& ending) {
+/// A run's exit code; what is none of a run that has ended is kept as a failure, unless a signal
+/// that it was sent from here has killed it.
+int concluded(const CampaignDirectory& directory, const std::string& name, const Ending& ending,
+              bool told_to_end) {
   const bool known =
       ending.signal == 0 &&
       (ending.code == exit_success || ending.code == exit_blow_up || ending.code == exit_contact ||
        ending.code == exit_interrupted || ending.code == exit_walltime);
-  if (known) return ending.code;
+  if (known) {
+    std::error_code error;  // of another run in the same directory, which this one has outlived
+    fs::remove(directory.failure(name), error);
+    return ending.code;
+  }
+  if (told_to_end && ending.signal != 0) return exit_interrupted;
   std::string reason = last_words(directory.said(name));
   if (ending.signal != 0)
     reason = fmt::format("killed by SIG{}{}{}", sigabbrev_np(ending.signal),
@@ -126,6 +135,19 @@ class Engine {
   }
 
   int run() {
+    try {
+      work();
+    } catch (...) {
+      board_.tell("the runs under way write a checkpoint and end");
+      end_lanes();
+      throw;
+    }
+    board_.finish();
+    return signal_;
+  }
+
+ private:
+  void work() {
     double looked = 0;
     while (!lanes_.empty() || (!queue_.empty() && signal_ == 0)) {
       hear();
@@ -138,11 +160,29 @@ class Engine {
       }
       std::this_thread::sleep_for(nap);
     }
-    board_.finish();
-    return signal_;
   }
 
- private:
+  // Without looking at what they leave.
+  void end_lanes() {
+    for (const Lane& lane : lanes_) lane.process.signal(SIGUSR2);
+    stopped_ = Progress::steady_seconds();
+    while (!lanes_.empty()) {
+      std::erase_if(lanes_, [](Lane& lane) { return lane.process.ended().has_value(); });
+      press();
+      std::this_thread::sleep_for(nap);
+    }
+  }
+
+  // Those that do not end when they are told to. mpirun ends its ranks on SIGTERM alone.
+  void press() {
+    const double since = Progress::steady_seconds() - stopped_;
+    if (since < patience) return;
+    for (const Lane& lane : lanes_) {
+      lane.process.signal(SIGTERM);
+      if (since > patience + patience_of_a_kill) lane.process.signal(SIGKILL);
+    }
+  }
+
   static std::size_t terminal_width() {
     winsize size{};
     constexpr std::size_t usual = 100;
@@ -158,16 +198,18 @@ class Engine {
                               sigabbrev_np(signal_)));
       for (const Lane& lane : lanes_) lane.process.signal(SIGUSR2);
     }
-    if (signal_ != 0 && now - stopped_ > patience)
-      for (const Lane& lane : lanes_) lane.process.kill();
+    if (signal_ != 0) press();
   }
 
   void fill() {
-    while (signal_ == 0 && !queue_.empty() &&
-           lanes_.size() < static_cast<std::size_t>(options_.at_once)) {
-      const std::size_t job = queue_.back();
-      queue_.pop_back();
+    // Where a run of a campaign that was killed is still at its last checkpoint, others come first.
+    const bool waits = Progress::steady_seconds() - begun_ < patience;
+    for (std::size_t n = queue_.size();
+         n-- > 0 && signal_ == 0 && lanes_.size() < static_cast<std::size_t>(options_.at_once);) {
+      const std::size_t job = queue_[n];
       const std::string& name = jobs_[job].name;
+      if (waits && is_locked(directory_.run(name))) continue;
+      queue_.erase(queue_.begin() + static_cast<std::ptrdiff_t>(n));
       lanes_.emplace_back(job, started(directory_, name, options_),
                           directory_.run(name) / "trajectory.csv", jobs_[job].given,
                           Progress::steady_seconds());
@@ -175,6 +217,7 @@ class Engine {
   }
 
   void reap() {
+    bool any = false;
     for (std::size_t n = 0; n < lanes_.size();) {
       const std::optional<Ending> ending = lanes_[n].process.ended();
       if (!ending) {
@@ -182,12 +225,13 @@ class Engine {
         continue;
       }
       const std::size_t job = lanes_[n].job;
-      static_cast<void>(concluded(directory_, jobs_[job].name, *ending));
+      static_cast<void>(concluded(directory_, jobs_[job].name, *ending, signal_ != 0));
       tell(job, Progress::steady_seconds() - lanes_[n].since);
       done_ += durations_[job];
       lanes_.erase(lanes_.begin() + static_cast<std::ptrdiff_t>(n));
-      directory_.gather(campaign_);
+      any = true;
     }
+    if (any) directory_.gather(campaign_);
   }
 
   void tell(std::size_t job, double seconds) {
@@ -272,11 +316,15 @@ double expected_span(std::vector<double> durations, int at_once) {
 
 int run_one(const CampaignDirectory& directory, const std::string& name,
             const EngineOptions& options, const std::function<int()>& stop) {
+  const double begun = Progress::steady_seconds();
+  while (is_locked(directory.run(name)) && stop() == 0 &&
+         Progress::steady_seconds() - begun < patience)
+    std::this_thread::sleep_for(nap);
   Process process = started(directory, name, options);
   bool told = false;
   for (;;) {
     if (const std::optional<Ending> ending = process.ended())
-      return concluded(directory, name, *ending);
+      return concluded(directory, name, *ending, told);
     if (!told && stop() != 0) {
       told = true;
       process.signal(SIGUSR2);

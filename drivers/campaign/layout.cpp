@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
-#include "checks/memory.hpp"
 #include "checks/read_case.hpp"
 #include "output/file.hpp"
 #include "output/run_directory.hpp"
@@ -20,25 +20,44 @@ namespace {
 /// What a case's directory is to become.
 enum class Change {
   none,
-  limits,  // another [run]: what there is goes on
+  limits,  // another [run], by which no end is another
+  end,     // another [run], with which what there is may go on
   anew
 };
+
+/// Whether an end that the limits have made may be another now.
+bool ends_otherwise(const RunLimits& before, const RunLimits& now) {
+  return before.time_limit != now.time_limit || before.stop_distance != now.stop_distance ||
+         before.until_decided != now.until_decided || before.stop_at_contact != now.stop_at_contact;
+}
 
 Change change_of(const CampaignDirectory& directory, const ReadCase& read, bool force) {
   const fs::path run = directory.run(read.entry.name);
   const fs::path file = run / "scenario.toml";
   std::error_code error;
-  if (!fs::exists(file, error)) return Change::anew;
-  const std::string before = read_text(file);
-  if (before == resolved_toml(read.given->scenario)) return Change::none;
-  if (const auto other =
-          difference(parse_case(before, file.string()).scenario, read.given->scenario)) {
-    if (force) return Change::anew;
-    throw InputError(
-        fmt::format("{}: {}: add --force to replace it, or choose another directory with -o",
-                    run.string(), *other));
+  if (!fs::exists(file, error)) {
+    require_free(run, force);
+    return Change::anew;
   }
-  return Change::limits;
+  const Scenario& now = read.given->scenario;
+  std::optional<std::string> other;
+  try {
+    const Scenario before = parse_case(read_text(file), file.string()).scenario;
+    if (before == now) return Change::none;
+    other = difference(before, now);
+    if (!other) {
+      // A run that blew up does so again.
+      const bool reopens =
+          ends_otherwise(before.run, now.run) && directory.result(read.entry).status != "blew up";
+      return reopens ? Change::end : Change::limits;
+    }
+  } catch (const InputError& unreadable) {
+    other = unreadable.what();
+  }
+  if (force) return Change::anew;
+  throw InputError(
+      fmt::format("{}: {}: add --force to replace it, or choose another directory with -o",
+                  run.string(), *other));
 }
 
 void make_directory(const fs::path& path) {
@@ -58,7 +77,6 @@ std::vector<ReadCase> read_cases(const Sweep& sweep) {
     read.entry = {swept.name, swept.scenario, swept.values, ""};
     try {
       read.given = parse_case(swept.text, swept.file, swept.overrides);
-      if (std::string lack = memory_lacks(*read.given, {}); !lack.empty()) throw InputError(lack);
       any = true;
     } catch (const InputError& error) {
       read.given.reset();
@@ -73,6 +91,7 @@ std::vector<ReadCase> read_cases(const Sweep& sweep) {
 Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
                  const std::vector<ReadCase>& cases, const std::string& text, bool force) {
   Campaign campaign{sweep.name, sweep.axes, {}};
+  std::error_code error;
   std::vector<Change> changes;
   for (const ReadCase& read : cases) {
     changes.push_back(read.given ? change_of(directory, read, force) : Change::none);
@@ -83,14 +102,13 @@ Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
     if (changes[c] == Change::none) continue;
     const fs::path run = directory.run(cases[c].entry.name);
     const std::string scenario = resolved_toml(cases[c].given->scenario);
-    std::error_code error;
     fs::remove(directory.failure(cases[c].entry.name), error);
     if (changes[c] == Change::anew) {
-      RunDirectory(run, true).write_scenario(scenario);
+      RunDirectory(run, force).write_scenario(scenario);
       continue;
     }
     // Without its summary the case counts as one that has not ended.
-    fs::remove(run / "summary.json", error);
+    if (changes[c] == Change::end) fs::remove(run / "summary.json", error);
     write_atomically(run / "scenario.toml", scenario, Durability::system);
   }
   write_atomically(directory.file(), text, Durability::system);

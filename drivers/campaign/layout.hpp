@@ -11,10 +11,11 @@
 
 namespace ductile::drivers {
 
-/// A case that has been read, or the reason why it is refused.
+/// A case of a campaign, and what it is.
 struct ReadCase {
   CampaignCase entry;
-  std::optional<Case> given;
+  std::optional<Case> given;  ///< nothing if it is refused, or not asked for
+  std::string trouble;        ///< why the scenario in its directory cannot be read; or empty
 };
 
 /// Reads all cases of a campaign; one whose scenario is not good is refused with its own message.

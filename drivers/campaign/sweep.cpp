@@ -193,13 +193,16 @@ class Reader {
     for (const std::string& key : keys) take(key, table);
     if (table.contains("values") == table.contains("from"))
       document_.fail("axis", table, "must have either values, or from, to and count");
-    Axis axis = table.contains("values") ? listed(table, keys) : ranged(table, keys);
+    const bool rows = table.contains("keys");
+    Axis axis = table.contains("values") ? listed(table, keys, rows) : ranged(table, keys);
     give_names(axis, table, keys.size());
     sweep_.axes.insert(sweep_.axes.end(), keys.begin(), keys.end());
     axes_.push_back(std::move(axis));
   }
 
-  [[nodiscard]] Axis listed(const toml::table& table, const std::vector<std::string>& keys) const {
+  // With `rows` an array has a value for each of the keys.
+  [[nodiscard]] Axis listed(const toml::table& table, const std::vector<std::string>& keys,
+                            bool rows) const {
     for (const char* key : {"to", "count"}) {
       if (const toml::node* node = table.get(key))
         document_.fail(fmt::format("axis.{}", key), *node, "goes with from, not with values");
@@ -208,7 +211,7 @@ class Reader {
     for (const toml::node& value : array_of("axis.values", *table.get("values"))) {
       Point point;
       const toml::array* row = value.as_array();
-      const bool each = keys.size() > 1 && row != nullptr;
+      const bool each = rows && row != nullptr;
       if (each && row->size() != keys.size()) {
         document_.fail("axis.values", value,
                        fmt::format("must have {} values, one for each of the keys", keys.size()));

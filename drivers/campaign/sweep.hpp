@@ -1,19 +1,22 @@
 // A campaign file: which scenarios to run, and which values their keys take.
 //
-//     scenario = "M2"                     # a pair of the paper, or a file; several: ["M2",
-//     "own.toml"] [set]                               # in all cases channel.nodes = 24
-//     [[axis]]                            # axes multiply
+//     scenario = "M2"                      # a pair of the paper, or a file; or several
+//     set.channel.nodes = 24               # in all cases
+//
+//     [[axis]]                             # axes multiply
 //     key = "body.lag.x"
-//     values = [-0.2, 0, 0.2]             # a list
+//     values = [-0.2, 0, 0.2]              # a list
+//
 //     [[axis]]
 //     key = "channel.reynolds"
-//     from = 5                            # a range
+//     from = 5                             # a range
 //     to = 20
 //     count = 4
-//     [[axis]]                            # keys that change together
+//
+//     [[axis]]                             # keys that change together
 //     keys = ["body.lead.laplace", "body.lag.laplace"]
-//     values = [[10, 100], [100, 10]]     # or [10, 100]: the same for all keys
-//     names = ["soft-lead", "soft-lag"]   # in the cases' names
+//     values = [[10, 100], [100, 10]]      # or [10, 100]: the same for all keys
+//     names = ["soft-lead", "soft-lag"]    # in the cases' names
 #pragma once
 
 #include <filesystem>

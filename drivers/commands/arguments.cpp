@@ -88,9 +88,10 @@ std::string run_name(const std::string& name, const Scenario& scenario,
     all += '_' + short_name(key) + '_' + short_value(value);
   }
   constexpr std::size_t longest = 200;  // of 255 that a file's name may have
-  if (all.size() > longest)
+  if (all.size() > longest) {
     throw InputError(fmt::format("{}: too long for a directory's name: choose one with -o",
                                  shortened(all, longest)));
+  }
   return all;
 }
 

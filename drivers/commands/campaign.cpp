@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstdio>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -54,6 +55,12 @@ int number_of(const std::string& option, const std::string& text, int most) {
 /// memory. On small lattices runs of one rank each, side by side, are the fastest.
 void choose_width(EngineOptions& options, const std::vector<Job>& jobs, int ranks, int at_once) {
   const int cores = core_count();
+  int planes = std::numeric_limits<int>::max();  // of the shortest channel
+  for (const Job& job : jobs) planes = std::min(planes, job.given.plan.fluid.nodes[2]);
+  if (ranks > planes) {
+    throw InputError(fmt::format("--ranks {}: cannot share the {} planes of the shortest channel",
+                                 ranks, planes));
+  }
   options.ranks = ranks;
   options.at_once = at_once;
   if (at_once == 0) options.at_once = std::max(1, cores / std::max(1, ranks));
@@ -72,7 +79,7 @@ void choose_width(EngineOptions& options, const std::vector<Job>& jobs, int rank
         options.at_once, size_text(needed(options.at_once)), size_text(free), fitting);
     options.at_once = fitting;
   }
-  if (ranks == 0) options.ranks = std::max(1, cores / options.at_once);
+  if (ranks == 0) options.ranks = std::clamp(cores / options.at_once, 1, planes);
 }
 
 void predict(const CampaignDirectory& directory, const std::vector<Job>& jobs,
@@ -215,8 +222,12 @@ CampaignCommand::Request CampaignCommand::prepare() const {
     for (const CampaignCase& entry : directory.read().cases) {
       ReadCase& read = request.cases.emplace_back();
       read.entry = entry;
-      if (entry.refusal.empty())
+      if (!entry.refusal.empty() || gather_ || !case_.empty()) continue;
+      try {
         read.given = load_case(directory.run(entry.name) / "scenario.toml");
+      } catch (const InputError& error) {
+        read.trouble = error.what();
+      }
     }
     return request;
   }
@@ -244,7 +255,8 @@ void CampaignCommand::run(const Request& request, Afterwards& afterwards) const 
       throw InputError(fmt::format("{}: has no case {}", request.directory.string(),
                                    in_quotes(shortened(case_, 200))));
     }
-    if (!entry->given) throw InputError(entry->entry.refusal);
+    if (!entry->entry.refusal.empty()) throw InputError(entry->entry.refusal);
+    if (directory.result(entry->entry).state == CaseState::ended) return;
     options.ranks = std::max(1, ranks);
     afterwards.work = [directory, name = case_, options] {
       const Signals signals;
@@ -255,14 +267,21 @@ void CampaignCommand::run(const Request& request, Afterwards& afterwards) const 
   }
 
   std::error_code error;
+  if (!force_ && !fs::exists(directory.index(), error)) require_free(directory.path(), false);
   fs::create_directories(directory.path(), error);
   if (error) fail_to_write(directory.path(), error.value());
   auto lock = std::make_shared<DirectoryLock>(directory.path(), "campaign");
   const Campaign campaign =
       request.sweep ? lay_out(directory, *request.sweep, request.cases, request.text, force_)
                     : directory.read();
-  for (const CampaignCase& given : campaign.cases)
-    if (!given.refusal.empty()) say(stderr, "{} is refused: {}\n", given.name, given.refusal);
+  for (const ReadCase& read : request.cases) {
+    if (!read.entry.refusal.empty())
+      say(stderr, "{} is refused: {}\n", read.entry.name, read.entry.refusal);
+    if (read.trouble.empty()) continue;
+    say(stderr, "{} cannot be run: {}\n", read.entry.name, read.trouble);
+    fs::create_directories(directory.run(read.entry.name), error);
+    write_atomically(directory.failure(read.entry.name), read.trouble + '\n');
+  }
   if (prepare_ || gather_) {
     directory.gather(campaign);
     say(stdout, "{} cases in {}\n", campaign.cases.size(), directory.path().string());

@@ -107,10 +107,6 @@ void Process::signal(int number) const {
   if (child_ > 0 && !ending_) ::kill(child_, number);
 }
 
-void Process::kill() const {
-  if (child_ > 0 && !ending_) ::kill(-child_, SIGKILL);
-}
-
 void keep_environment() {
   for (char** entry = environ; *entry != nullptr; ++entry) kept_environment().emplace_back(*entry);
 }

@@ -35,8 +35,6 @@ class Process {
   [[nodiscard]] std::optional<Ending> ended();
   /// Sends it a signal: to the child alone, which is mpirun where there are ranks.
   void signal(int number) const;
-  /// Kills it with all that it has started.
-  void kill() const;
 
  private:
   pid_t child_ = -1;

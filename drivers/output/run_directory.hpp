@@ -30,6 +30,9 @@ class DirectoryLock {
   int descriptor_ = -1;
 };
 
+/// Whether a program that lives has the lock of the directory, as far as the file system knows.
+bool is_locked(const std::filesystem::path& directory);
+
 /// A run's directory: scenario.toml, trajectory.csv, run.h5, run.xdmf, frames/, summary.json,
 /// trajectory.png (or .pdf, .svg), checkpoint.h5, checkpoint-before.h5, checkpoint-refused.h5,
 /// log.txt; and `lock`, which the system takes from a run that has died.

@@ -179,8 +179,8 @@ if snakefile:
     code, said = run(finite, "-o", by_snakemake, "--prepare")
     expect(code == 0, code, said)
     made = subprocess.run(["snakemake", "--snakefile", snakefile, "--directory", by_snakemake,
-                           "--keep-going", "--jobs", "2", "--config", f"ductile={program}"],
-                          env=environment, capture_output=True, text=True, check=False)
+                           "--keep-going", "--jobs", "2"], env=environment | {"DUCTILE": program},
+                          capture_output=True, text=True, check=False)
     expect(made.returncode == 0, made.stdout, made.stderr)
     expect_same(by_snakemake, "by Snakemake")
     print("the same by Snakemake")

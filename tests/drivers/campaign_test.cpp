@@ -13,12 +13,12 @@
 #include "campaign/directory.hpp"
 #include "campaign/engine.hpp"
 #include "campaign/layout.hpp"
-#include "output/process.hpp"
 #include "campaign/sweep.hpp"
 #include "campaign/watch.hpp"
 #include "checks/disk.hpp"
 #include "checks/read_case.hpp"
 #include "output/file.hpp"
+#include "output/process.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/writer.hpp"
 
@@ -102,6 +102,10 @@ names = ["small", "large"]
   EXPECT_EQ(cases[5].given->scenario.bodies[1].laplace, 50);
   EXPECT_EQ(cases[5].given->scenario.bodies[1].radius, 0.4);
   EXPECT_EQ(cases[5].entry.values, (Names{"50", "50", "0.4", "0.4"}));
+  // One of several keys is an axis like others.
+  const Sweep one = parse_sweep(
+      "scenario = \"M2\"\n[[axis]]\nkeys = [\"channel.reynolds\"]\nvalues = [[5], 6]\n", "c.toml");
+  EXPECT_EQ(names(one), (Names{"reynolds_5", "reynolds_6"}));
   const Sweep arrays = parse_sweep(R"(
 scenario = "M2"
 [[axis]]
@@ -275,6 +279,16 @@ TEST_F(CampaignFiles, AreLaidOutAgain) {
   EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
   lay("set.run.time_limit = 99.0\n", false);
   EXPECT_FALSE(fs::exists(path_ / "out/cases/M1/summary.json"));
+  // What the end does not depend on lets it be, and so does another comment in the file.
+  write("out/cases/M1/summary.json", R"({"status": "decided"})");
+  write("out/cases/M1/scenario.toml", "# other words\n" + read("out/cases/M1/scenario.toml"));
+  lay("set.run.time_limit = 99.0\nset.run.checkpoint_every = 3.0\n", false);
+  EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
+  // A run that blew up does so again.
+  write("out/cases/M1/summary.json", R"({"status": "blew up"})");
+  lay("set.run.time_limit = 98.0\n", false);
+  EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
+  lay("set.run.time_limit = 99.0\n", false);
   EXPECT_EQ(read("out/cases/M1/trajectory.csv"), "rows");
   EXPECT_NE(read("out/cases/M1/scenario.toml").find("time_limit = 99.0"), std::string::npos);
   EXPECT_THROW(lay("set.channel.nodes = 30\n", false), InputError);

@@ -247,7 +247,7 @@ class Migration:
         """Draws the distance from the target, logarithmic, and when it is small enough."""
         axes.semilogy(self.t, np.abs(self.y - self.target), **_DATA)
         if self.approach is not None:
-            fine = np.linspace(self.approach.t[0], self.time.value, 500)
+            fine = np.linspace(self.approach.t[0], self.t[0] + self.time.value, 500)
             axes.semilogy(fine, np.abs(self.approach.curve(fine) - self.target), **_FIT)
         axes.axhline(self.within, **_LIMIT)
         axes.axvline(self.t[0] + self.time.value, **_LIMIT)
