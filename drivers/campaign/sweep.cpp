@@ -240,9 +240,10 @@ class Reader {
     const double count = number(table, "count");
     const toml::node& count_node = *table.get("count");
     constexpr double most = most_cases;
-    if (!count_node.is_integer() || count < 2 || count > most)
+    if (!count_node.is_integer() || count < 2 || count > most) {
       document_.fail("axis.count", count_node,
                      fmt::format("must be a whole number from 2 to {}", most));
+    }
     const bool whole = table.get("from")->is_integer() && table.get("to")->is_integer();
     Axis axis;
     for (int i = 0; i < static_cast<int>(count); ++i) {
@@ -262,9 +263,10 @@ class Reader {
 
   void give_names(Axis& axis, const toml::table& table, std::size_t keys) const {
     const toml::node* names = table.get("names");
-    if (names != nullptr && array_of("axis.names", *names).size() != axis.size())
+    if (names != nullptr && array_of("axis.names", *names).size() != axis.size()) {
       document_.fail("axis.names", *names,
                      fmt::format("must have {} names, one for each value", axis.size()));
+    }
     for (std::size_t i = 0; i < axis.size(); ++i) {
       if (names != nullptr) {
         const toml::node& node = (*names->as_array())[i];

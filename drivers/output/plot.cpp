@@ -78,6 +78,7 @@ Ended run_script(std::vector<std::string> words) {
   arguments.push_back(nullptr);
   std::vector<std::string> texts = environment_without_job();
   std::vector<char*> environment;
+  environment.reserve(texts.size() + 1);
   for (std::string& text : texts) environment.push_back(text.data());
   environment.push_back(nullptr);
 
