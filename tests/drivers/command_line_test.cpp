@@ -120,9 +120,10 @@ TEST(CommandLine, DirectoriesAreNamedForTheRun) {
   for (const std::string key :
        {"channel.reynolds", "fluid.magic", "membrane.theta", "membrane.mobility",
         "membrane.bending", "membrane.area_ratio", "rigid.retraction", "rigid.memory",
-        "body.particle.x", "body.particle.y", "body.particle.z", "body.particle.rotation_angle"})
+        "body.particle.x", "body.particle.y", "body.particle.z", "body.particle.rotation_angle"}) {
     many.insert(many.end(),
                 {"--set", key + (key == "membrane.theta" ? "=0.6000000001" : "=0.0500000001")});
+  }
   EXPECT_NE(refused(many).find("too long for a directory's name"), std::string::npos)
       << refused(many);
 }

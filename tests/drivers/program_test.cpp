@@ -383,7 +383,8 @@ TEST_F(Program, HalfOfASymmetricChannelGivesTheSameTrajectory) {
          "-0.5\n";
   for (const std::string lattice : {"--set channel.nodes=16", "--set channel.nodes=17",
                                     "--set channel.nodes=17 --set channel.walls=regularized"}) {
-    const std::string command = "run " + file + " --force " + lattice;
+    const std::string command =
+        std::string("run ").append(file).append(" --force ").append(lattice);
     ASSERT_EQ(run(command + " -o whole").exit_code, 0) << lattice;
     const Outcome half = run(command + " --set channel.symmetry=y -o half");
     ASSERT_EQ(half.exit_code, 0) << lattice << half.errors;

@@ -111,7 +111,7 @@ TEST_F(Run, TwiceInOneProgramIsTwiceTheSame) {
 TEST(BlowUpOfTheFluid, IsWhereItBegan) {
   const Case given = parse_case(small_case, "small.toml");
   const auto& nodes = given.plan.fluid.nodes;
-  const auto size = static_cast<std::size_t>(nodes[0] * nodes[1] * nodes[2]);
+  const auto size = static_cast<std::size_t>(given.plan.node_count());
   for (const int from : {0, 5, nodes[2] - 2}) {
     suspension::FluidState fluid{std::vector<double>(size, 1), std::vector<double>(3 * size)};
     for (int i = 3; i <= 7; ++i) {

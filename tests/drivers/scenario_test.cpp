@@ -1,5 +1,6 @@
 #include "scenario/scenario.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -488,8 +489,8 @@ TEST(Scenario, BodiesOnAPlaneOfSymmetryAreTakenIfTheirMeshesAreSymmetric) {
       "[channel]\nsymmetry = \"y\"\n[[body]]\nlaplace = 10\nradius = 0.3\nx = 0.1\n";
   for (const std::string shape : {"sphere", "biconcave"}) {
     for (const std::string frequency : {"1", "2", "3", "6", "9", "20", "32"}) {
-      const std::string body =
-          text + "shape = \"" + shape + "\"\nfrequency = " + frequency + "\nrotation_angle = ";
+      const std::string body = fmt::format(
+          "{}shape = \"{}\"\nfrequency = {}\nrotation_angle = ", text, shape, frequency);
       EXPECT_EQ(refusal(body + "0\n"), "");
       EXPECT_EQ(refusal(body + "33.3\n"), "");
       EXPECT_EQ(refusal(body + "90\nrotation_axis = [1, 0, 0]\n"), "");
@@ -584,7 +585,8 @@ TEST(Scenario, AnyMutilatedFileIsUnderstoodOrRefusedInOneLine) {
       if (static_cast<unsigned char>(c) < 32 || c == 127) return false;
     return true;
   };
-  const std::string strange = std::string("\0\"'[]{}=#.,-+x9e\n\r\t\\\x7f\x80\xff", 24);
+  using namespace std::string_literals;
+  const std::string strange = "\0\"'[]{}=#.,-+x9e\n\r\t\\\x7f\x80\xff"s;
   int understood = 0;
   int refused = 0;
   const auto examine = [&](const std::string& text, std::size_t at) {
