@@ -62,7 +62,8 @@ struct Frame {
 ///     /frames/000000/NAME/position         double [n, 3], and velocity, force where given
 ///     /frames/000000/fluid/density         float [nz, ny, nx], velocity [nz, ny, nx, 3]
 /// with the unit of each as its attribute `units`, and in run.xdmf in its name. Attributes of the
-/// root: `scenario`, the TOML that was run; `version` of ductile; `spacing` of the lattice [W].
+/// root: `scenario`, the TOML that was run, but for [run]; `version` of ductile; `spacing` of the
+/// lattice [W].
 ///
 /// All lie in the channel's frame, z in [-L/2, L/2), L its length. A body travels far down the
 /// periodic channel: each is shown whole, moved back by its own z_offset, the multiple of L that

@@ -291,7 +291,7 @@ void Recorder::make_surfaces(std::vector<Frame> frames) {
   surfaces_.emplace(
       directory_.path(), std::move(meshes),
       Channel{plan.units.length(plan.half_width_y()), plan.units.length(plan.length())}, lattice,
-      std::move(frames), scenario_text_);
+      std::move(frames), system_toml(given_.scenario));
 }
 
 Recorder::Finding Recorder::take(const suspension::Sample& sample) {

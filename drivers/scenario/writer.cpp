@@ -37,16 +37,14 @@ std::string described(std::string_view heading, std::string_view about,
   return text;
 }
 
-}  // namespace
-
-std::string resolved_toml(const Scenario& s) {
+std::string written(const Scenario& s, bool limits) {
   std::string text = "# A scenario of ductile with every default filled in.\n\n";
   text += written(root_keys(), s);
   text += "\n[channel]\n" + written(channel_keys(), s.channel);
   text += "\n[fluid]\n" + written(fluid_keys(), s.fluid);
   text += "\n[membrane]\n" + written(membrane_keys(), s.membrane);
   text += "\n[rigid]\n" + written(rigid_keys(), s.rigid);
-  text += "\n[run]\n" + written(run_keys(), s.run);
+  if (limits) text += "\n[run]\n" + written(run_keys(), s.run);
   text += "\n[output]\n" + written(output_keys(), s.output);
   if (!s.petsc.empty()) {
     text += "\n[petsc]\n";
@@ -64,6 +62,16 @@ std::string resolved_toml(const Scenario& s) {
     }
   }
   return text;
+}
+
+}  // namespace
+
+std::string resolved_toml(const Scenario& scenario) {
+  return written(scenario, true);
+}
+
+std::string system_toml(const Scenario& scenario) {
+  return written(scenario, false);
 }
 
 std::vector<std::pair<std::string, std::string>> parameters(const Scenario& s) {

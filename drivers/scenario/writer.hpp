@@ -12,6 +12,8 @@ namespace ductile::drivers {
 /// The scenario as TOML, every key that applies with its unit and meaning as a comment. Read again,
 /// it gives the identical scenario.
 std::string resolved_toml(const Scenario& scenario);
+/// The same without [run]: what may not be another when a run goes on.
+std::string system_toml(const Scenario& scenario);
 
 /// Every key that applies, by the name that --set knows ("channel.nodes", "body.lag.x"), and its
 /// value as TOML, which is JSON as well.

@@ -31,8 +31,9 @@ TEST(Layout, MergedBoxesAreDisjointAndHoldAll) {
     const auto key = [](const Box& b) {
       return std::array<int, 6>{b[0].begin, b[0].end, b[1].begin, b[1].end, b[2].begin, b[2].end};
     };
-    const auto sorted = [&](std::vector<Box> list) {
+    const auto sorted = [&](const std::vector<Box>& list) {
       std::vector<std::array<int, 6>> keys;
+      keys.reserve(list.size());
       for (const Box& b : list) keys.push_back(key(b));
       std::sort(keys.begin(), keys.end());
       return keys;

@@ -77,7 +77,8 @@ TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
       }
       fluid->step();
     }
-    const auto columns = static_cast<std::size_t>(o.nodes[0] * o.nodes[1]);
+    const auto columns =
+        static_cast<std::size_t>(o.nodes[0]) * static_cast<std::size_t>(o.nodes[1]);
     const auto planes = static_cast<std::size_t>(o.nodes[2]);
     const auto own = static_cast<std::size_t>(cut.slab().size());
     std::vector<double> rho_cut(columns * own);

@@ -261,7 +261,8 @@ TEST(State, ThatIsNotFiniteAnywhereIsFoundWithinEightSteps) {
     EXPECT_TRUE(fluid.finite());
     for (const auto& [i, j] : {std::pair(0, 0), {18, 12}, {0, 12}, {9, 7}, {18, 0}, {5, 3}}) {
       State bad = good;
-      bad["f00"][static_cast<std::size_t>((i * 13 + j) * 10 + 6)] = std::nan("");
+      const int row = i * 13 + j;
+      bad["f00"][10 * static_cast<std::size_t>(row) + 6] = std::nan("");
       fluid.load(reader_of(bad));
       for (int n = 0; n < 8; ++n) fluid.step();
       EXPECT_FALSE(fluid.finite()) << i << " " << j;

@@ -62,11 +62,14 @@ Surface spiral(double radius, std::size_t n) {
 // odd sums vanish and second moments isotropic.
 Surface cubic(double radius) {
   Surface surface;
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z)
+  for (const int x : {-1, 0, 1}) {
+    for (const int y : {-1, 0, 1}) {
+      for (const int z : {-1, 0, 1}) {
         if (x != 0 || y != 0 || z != 0)
           surface.markers.push_back(radius * Vector3d(x, y, z).normalized());
+      }
+    }
+  }
   surface.areas.assign(surface.markers.size(), 4 * pi * radius * radius / 26);
   return surface;
 }
@@ -301,7 +304,8 @@ TEST_P(DensityRatio, FallsAlongWithAFluidThatFallsToo) {
   Vector3d x = Vector3d::Zero();
   for (int n = 1; n <= 100; ++n) {
     const Vector3d u = n * options.gravity;
-    const Impulse impulse = step(body, local_fluid(surface, [&](const Vector3d&) { return u; }));
+    const auto uniform = [&u](const Vector3d&) -> Vector3d { return u; };
+    const Impulse impulse = step(body, local_fluid(surface, uniform));
     x += u;
     EXPECT_LT((body.state().velocity - u).norm(), 100 * eps);
     EXPECT_LT(impulse.force.norm(), 1e-11);
