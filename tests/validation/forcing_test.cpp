@@ -69,7 +69,8 @@ rigid::Slip slip(const std::vector<Sphere>& spheres, const Forcing& forcing, dou
     coupler.step();
     if (n < steps / 2) continue;
     result.max = std::max(result.max, bodies[0]->slip().max / maximum);
-    result.rms += bodies[0]->slip().rms / maximum / (steps - steps / 2);
+    const int counted = steps - steps / 2;
+    result.rms += bodies[0]->slip().rms / maximum / counted;
   }
   return result;
 }

@@ -115,11 +115,14 @@ Force response(const rigid::Surface& surface, const Force& slip) {
   const auto each_node = [&](std::size_t m, const auto& visit) {
     const Eigen::Vector3d& x = surface.markers[m];
     const std::array w = {fluid::weights(x.x()), fluid::weights(x.y()), fluid::weights(x.z())};
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j)
-        for (int k = 0; k < 4; ++k)
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        for (int k = 0; k < 4; ++k) {
           visit(std::array{w[0].base + i, w[1].base + j, w[2].base + k},
                 w[0].phi[i] * w[1].phi[j] * w[2].phi[k]);
+        }
+      }
+    }
   };
   for (std::size_t m = 0; m < slip.size(); ++m) {
     each_node(m, [&](const std::array<int, 3>& node, double weight) {
