@@ -177,9 +177,10 @@ Campaign CampaignDirectory::read() const {
       given.values = entry.at("values").get<std::vector<std::string>>();
       given.refusal = text(entry, "refused");
       if (given.values.size() != campaign.axes.size() ||
-          fs::path(given.name).filename() != given.name)
+          fs::path(given.name).filename() != given.name) {
         throw InputError(fmt::format("{}: case {} is none of a campaign", index().string(),
                                      in_quotes(given.name)));
+      }
     }
     return campaign;
   } catch (const json::exception&) {
@@ -209,9 +210,10 @@ void CampaignDirectory::gather(const Campaign& campaign) const {
   std::string lines = "case,scenario";
   for (const std::string& key : campaign.axes) lines += ',' + key;
   lines += ",state,verdict,verdict_time[W^2/nu],t[W^2/nu],dz[W],steps,warnings";
-  for (const std::string& body : bodies)
+  for (const std::string& body : bodies) {
     for (const BodyColumn& column : body_columns)
       lines += fmt::format(",{}_{}[{}]", body, column.name, column.unit);
+  }
   lines += ",reason\n";
   for (std::size_t c = 0; c < campaign.cases.size(); ++c) {
     const CampaignCase& given = campaign.cases[c];

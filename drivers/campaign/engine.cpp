@@ -89,9 +89,10 @@ int concluded(const CampaignDirectory& directory, const std::string& name, const
   }
   if (told_to_end && ending.signal != 0) return exit_interrupted;
   std::string reason = last_words(directory.said(name));
-  if (ending.signal != 0)
+  if (ending.signal != 0) {
     reason = fmt::format("killed by SIG{}{}{}", sigabbrev_np(ending.signal),
                          reason.empty() ? "" : "; it last said: ", reason);
+  }
   if (reason.empty()) reason = fmt::format("exit code {}, and no word", ending.code);
   write_atomically(directory.failure(name), reason + '\n');
   return ending.signal != 0 ? static_cast<int>(exit_failure) : ending.code;

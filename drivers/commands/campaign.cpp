@@ -66,6 +66,7 @@ void choose_width(EngineOptions& options, const std::vector<Job>& jobs, int rank
   if (at_once == 0) options.at_once = std::max(1, cores / std::max(1, ranks));
   options.at_once = std::min(options.at_once, static_cast<int>(jobs.size()));
   std::vector<double> memory;
+  memory.reserve(jobs.size());
   for (const Job& job : jobs) memory.push_back(memory_needed(job.given).total());
   std::ranges::sort(memory, std::greater<>());
   const double free = free_memory();
@@ -288,13 +289,15 @@ void CampaignCommand::run(const Request& request, Afterwards& afterwards) const 
     return;
   }
   std::vector<Job> jobs;
-  for (const ReadCase& read : request.cases)
+  for (const ReadCase& read : request.cases) {
     if (read.given && directory.result(read.entry).state != CaseState::ended)
       jobs.push_back({read.entry.name, *read.given});
+  }
   const std::optional<KnownSpeed> known = known_speed();
   const KnownSpeed speed = known ? *known : guessed_speed(core_count());
   if (!jobs.empty()) {
     std::vector<std::pair<std::string, Case>> cases;
+    cases.reserve(jobs.size());
     for (const Job& job : jobs) cases.emplace_back(job.name, job.given);
     constexpr double seconds = 5;  // for all predictions of stability; a run makes its own
     static_cast<void>(advise(cases, seconds / static_cast<double>(cases.size())));
