@@ -124,7 +124,7 @@ Verdict at_rest(const Look& look, double time) {
       "dz {} {}", look.distance.state == Outlook::State::dying ? "approaches" : "rests at",
       limit(look.distance));
   if (damped) reason += fmt::format(" after {} extrema", m.extrema_count());
-  return {damped ? PairClass::damped : PairClass::stable, time, std::move(reason)};
+  return {damped ? PairClass::damped : PairClass::stable, time, std::move(reason), look.distance};
 }
 
 /// Why nothing can be said.
@@ -175,7 +175,8 @@ Verdict look_at(const UniformSeries& dz, const std::array<UniformSeries, 2>& x, 
                         "their lateral places",
                         std::abs(distance->rate))};
   }
-  return {PairClass::undecided, time, open_points(look)};
+  const bool heads = distance->state != Outlook::State::moving && distance->on_course;
+  return {PairClass::undecided, time, open_points(look), heads ? distance : std::nullopt};
 }
 
 std::string if_passed(double first, double now) {

@@ -114,6 +114,8 @@ struct Verdict {
   PairClass pair_class = PairClass::undecided;
   double time = 0;
   std::string reason;
+  /// Of dz, where it comes to rest, or is on a course that does.
+  std::optional<Outlook> distance{};
   [[nodiscard]] bool decided() const { return pair_class != PairClass::undecided; }
 };
 

@@ -209,7 +209,9 @@ void CampaignDirectory::gather(const Campaign& campaign) const {
   }
   std::string lines = "case,scenario";
   for (const std::string& key : campaign.axes) lines += ',' + key;
-  lines += ",state,verdict,verdict_time[W^2/nu],t[W^2/nu],dz[W],steps,warnings";
+  lines +=
+      ",state,verdict,verdict_time[W^2/nu],t[W^2/nu],dz[W],dz_limit[W],"
+      "dz_limit_error[W],steps,warnings";
   for (const std::string& body : bodies) {
     for (const BodyColumn& column : body_columns)
       lines += fmt::format(",{}_{}[{}]", body, column.name, column.unit);
@@ -229,6 +231,8 @@ void CampaignDirectory::gather(const Campaign& campaign) const {
     cells.push_back(cell_of(number(known, "verdict_time")));
     cells.push_back(cell_of(result.time));
     cells.push_back(cell_of(result.dz));
+    cells.push_back(cell_of(number(known, "dz_limit_W")));
+    cells.push_back(cell_of(number(known, "dz_limit_error_W")));
     const auto steps = number(known, "steps");
     cells.push_back(steps ? fmt::format("{:.0f}", *steps) : "");
     const auto warnings = known.find("warnings");

@@ -125,6 +125,10 @@ std::string to_json(const Summary& summary) {
     json.add("verdict_time", summary.verdict->time);
   }
   if (summary.dz) json.add("dz_W", *summary.dz);
+  if (summary.verdict) {
+    json.add("dz_limit_W", limit(summary.verdict->distance));
+    json.add("dz_limit_error_W", error(summary.verdict->distance));
+  }
   json.add("time_W2_over_nu", summary.time);
   json.add("steps", summary.steps);
   json.open('[', "bodies");

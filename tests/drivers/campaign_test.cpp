@@ -21,6 +21,7 @@
 #include "output/process.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/writer.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -178,14 +179,6 @@ TEST(Sweep, ACaseIsRefusedAlone) {
 
 class CampaignFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    path_ = fs::temp_directory_path() / "ductile_campaign_XXXXXX";
-    std::string pattern = path_.string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    path_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(path_); }
-
   void write(const std::string& name, const std::string& text) const {
     fs::create_directories((path_ / name).parent_path());
     write_atomically(path_ / name, text);
@@ -195,7 +188,8 @@ class CampaignFiles : public testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  fs::path path_;
+  testing_support::TemporaryDirectory temporary_;
+  const fs::path& path_ = temporary_.path();
 };
 
 TEST_F(CampaignFiles, AreReadBack) {
@@ -232,7 +226,7 @@ TEST_F(CampaignFiles, TellHowCasesEnded) {
                            {"e", "M1", {"9"}, ""},
                            {"f", "M1", {"-1"}, "f.toml:1:2: bad, too \"bad\""}}};
   write("cases/a/summary.json", R"({"status": "decided", "verdict": "stable", "verdict_reason":
-    "dz rests", "verdict_time": 47, "dz_W": 1.25, "time_W2_over_nu": 60, "steps": 12345,
+    "dz rests", "verdict_time": 47, "dz_W": 1.25, "dz_limit_W": 1.5, "dz_limit_error_W": null, "time_W2_over_nu": 60, "steps": 12345,
     "warnings": ["x", "y"], "bodies": [
     {"name": "lead", "position_W": [0.1, 0, 12], "velocity_nu_over_W": [0, 0, 4],
      "x_settled": true, "x_limit_W": 0.11, "x_limit_error_W": 0.001, "deformation": 0.05}]})");
@@ -247,17 +241,19 @@ TEST_F(CampaignFiles, TellHowCasesEnded) {
   for (std::size_t c = 0; c < expected.size(); ++c)
     EXPECT_EQ(directory.result(campaign.cases[c]).state, expected[c]) << campaign.cases[c].name;
   directory.gather(campaign);
-  EXPECT_EQ(read("campaign.csv"),
-            "case,scenario,channel.reynolds,state,verdict,verdict_time[W^2/nu],t[W^2/nu],dz[W],"
-            "steps,warnings,lead_x[W],lead_y[W],lead_z[W],lead_vz[nu/W],lead_x_settled[1],"
-            "lead_x_limit[W],lead_x_limit_error[W],lead_volume_error_max[1],lead_deformation[1],"
-            "lead_strain_energy[k_s*a^2],reason\n"
-            "a,M1,5,decided,stable,47,60,1.25,12345,2,0.1,0,12,4,true,0.11,0.001,,0.05,,dz rests\n"
-            "b,M1,6,blew up,,,,,,,,,,,,,,,,,too fast\n"
-            "c,M1,7,walltime,,,3,,,,,,,,,,,,,,\n"
-            "d,M1,8,failed,,,,,,,,,,,,,,,,,cannot write x: No space left on device\n"
-            "e,M1,9,unfinished,,,,,,,,,,,,,,,,,\n"
-            "f,M1,-1,refused,,,,,,,,,,,,,,,,,\"f.toml:1:2: bad, too \"\"bad\"\"\"\n");
+  EXPECT_EQ(
+      read("campaign.csv"),
+      "case,scenario,channel.reynolds,state,verdict,verdict_time[W^2/nu],t[W^2/"
+      "nu],dz[W],dz_limit[W],dz_limit_error[W],"
+      "steps,warnings,lead_x[W],lead_y[W],lead_z[W],lead_vz[nu/W],lead_x_settled[1],"
+      "lead_x_limit[W],lead_x_limit_error[W],lead_volume_error_max[1],lead_deformation[1],"
+      "lead_strain_energy[k_s*a^2],reason\n"
+      "a,M1,5,decided,stable,47,60,1.25,1.5,,12345,2,0.1,0,12,4,true,0.11,0.001,,0.05,,dz rests\n"
+      "b,M1,6,blew up,,,,,,,,,,,,,,,,,,,too fast\n"
+      "c,M1,7,walltime,,,3,,,,,,,,,,,,,,,,\n"
+      "d,M1,8,failed,,,,,,,,,,,,,,,,,,,cannot write x: No space left on device\n"
+      "e,M1,9,unfinished,,,,,,,,,,,,,,,,,,,\n"
+      "f,M1,-1,refused,,,,,,,,,,,,,,,,,,,\"f.toml:1:2: bad, too \"\"bad\"\"\"\n");
 }
 
 // Layouts are the same twice; another limit lets a case go on, another system is refused.

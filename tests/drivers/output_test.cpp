@@ -24,6 +24,7 @@
 #include "run/progress.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/text.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -36,18 +37,7 @@ using suspension::SurfaceState;
 namespace fs = std::filesystem;
 
 class Output : public ::testing::Test {
- public:
-  ~Output() override {
-    std::error_code ignored;
-    fs::remove_all(directory_, ignored);
-  }
-
  protected:
-  Output() {
-    std::string pattern = (fs::temp_directory_path() / "ductile-output-XXXXXX").string();
-    directory_ = mkdtemp(pattern.data());
-  }
-
   static std::string read(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     EXPECT_TRUE(in) << file;
@@ -67,7 +57,8 @@ class Output : public ::testing::Test {
     return read(directory_ / "printed");
   }
 
-  fs::path directory_;
+  testing_support::TemporaryDirectory temporary_;
+  const fs::path& directory_ = temporary_.path();
 };
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -743,6 +734,7 @@ class SummaryFile : public Output {
     s.time = 0.1 + 0.2;
     s.steps = 400;
     s.verdict = Verdict{PairClass::damped, 47, "dz rests at 1.2"};
+    s.verdict->distance = Outlook{Outlook::State::resting, 1.2, 0, 1.2, 0, true, 0.03};
     s.dz = std::sqrt(2.0);
     BodySummary lead{"lead", {0.1, -0.0, 1e300}, {0, 1.0 / 3, std::nan("")}, {}, {}};
     lead.lateral = Outlook{Outlook::State::resting, 0.3, 1e-4, 0.3, 0, true, 0.009};
@@ -782,7 +774,7 @@ assert s['blow_up'] == {'step': 123456789012, 'body': 'lag', 'vertex': 17,
                         'likely_cause': 'a wall'}
 assert s['time_W2_over_nu'] == 0.1 + 0.2 and s['steps'] == 400
 assert (s['verdict'], s['verdict_time'], s['verdict_reason']) == ('damped', 47, 'dz rests at 1.2')
-assert s['dz_W'] == math.sqrt(2)
+assert s['dz_W'] == math.sqrt(2) and (s['dz_limit_W'], s['dz_limit_error_W']) == (1.2, 0.03)
 assert lead['name'] == 'lead' and lead['position_W'] == [0.1, 0, 1e300]
 assert lead['velocity_nu_over_W'] == [0, 1/3, None]
 assert lead['x_settled'] is True and lead['x_limit_W'] == 0.3 and lead['x_rate_nu_over_W'] == 1e-4

@@ -18,6 +18,7 @@
 #include "run/blow_up.hpp"
 #include "run/signals.hpp"
 #include "scenario/writer.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -27,22 +28,13 @@ namespace fs = std::filesystem;
 extern "C" void somebody_elses(int /*signal*/) {}
 
 class Run : public testing::Test {
- public:
-  ~Run() override {
-    std::error_code ignored;
-    fs::remove_all(directory_, ignored);
-  }
-
  protected:
-  Run() {
-    std::string pattern = (fs::temp_directory_path() / "ductile-run-XXXXXX").string();
-    directory_ = mkdtemp(pattern.data());
-  }
   RunResult run(const Case& given) {
     return run_case(given, {directory_, resolved_toml(given.scenario), true, false},
                     PETSC_COMM_WORLD);
   }
-  fs::path directory_;
+  testing_support::TemporaryDirectory temporary_;
+  const fs::path& directory_ = temporary_.path();
 };
 
 const std::string small_case = R"(

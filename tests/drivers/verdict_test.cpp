@@ -1,5 +1,6 @@
 #include "analysis/verdict.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -383,6 +384,31 @@ TEST(PairJudge, TakesTheFirstBodyAsTheLeadingOne) {
   judge.update(sample);
   EXPECT_EQ(judge.verdict().pair_class, PairClass::unstable);
   EXPECT_NE(judge.verdict().reason.find("has passed"), std::string::npos);
+}
+
+// The number that the reason has, for those who do not read sentences.
+TEST(Verdict, SaysWhereTheDistanceHeads) {
+  const auto verdict = [](const std::function<double(double)>& dz) {
+    PairJudge judge;
+    for (int n = 0; n <= 1000; ++n) {
+      const double t = 0.05 * n;
+      judge.update(t, dz(t), off_centre(t), off_centre(t));
+    }
+    return judge.verdict();
+  };
+  const Verdict rests = verdict([](double t) { return 1.5 + 0.3 * std::exp(-t / 8); });
+  EXPECT_EQ(rests.pair_class, PairClass::stable) << rests.reason;
+  ASSERT_TRUE(rests.distance);
+  EXPECT_NEAR(rests.distance->limit, 1.5, rests.distance->error);
+  EXPECT_NE(rests.reason.find(
+                fmt::format("{:.3g} +- {:.2g}", rests.distance->limit, rests.distance->error)),
+            std::string::npos)
+      << rests.reason;
+  // Nothing of one that grows, has begun to leave, or has parted.
+  EXPECT_FALSE(verdict([](double t) { return 1 + 0.05 * t; }).distance);
+  EXPECT_FALSE(
+      verdict([](double t) { return 1.5 + (t > 34 ? 0.02 * (t - 34) * (t - 34) : 0); }).distance);
+  EXPECT_FALSE(verdict([](double t) { return 1 + 0.3 * t; }).distance);
 }
 
 }  // namespace

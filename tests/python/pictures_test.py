@@ -80,21 +80,11 @@ class OneRun(Directory):
             '{"status": "blew up", "blow_up": {"step": 7, "reason": "a volume of nan"}}')
         self.assertIn("at step 7: a volume of nan", texts_of(self.drawn()))
 
-    def test_limits_of_dz_are_read_from_every_reason_that_has_them(self):
-        run = trajectories.Drawn(self.work, {}, {}, {})
-        for reason, limit in (
-                ("dz rests at 0.881 +- 0.01", (0.881, 0.01)),
-                ("dz approaches -1.6 +- 0.08 after 5 extrema", (-1.6, 0.08)),
-                ("dz rests at 1.3e-05", (1.3e-05, 0)),
-                ("dz swung by 0.3 not long ago; dz falls by 0.012 per unit of time, towards 1.95 "
-                 "+- 0.2; x of the lagging particle is at 0.1 +- 0.2", (1.95, 0.2)),
-                ("dz heads for 2 +- 1", (2, 1)),
-                ("x of the leading particle is at 0.3 +- 0.1", None),
-                ("|dz| has reached 10", None),
-                ("dz swings by 1.7 at first and by 0.476 after 7 extrema, less in every period",
-                 None)):
-            run.summary = {"verdict_reason": reason}
-            self.assertEqual(run.limit_of_dz, limit, reason)
+    def test_the_limit_of_dz_is_what_the_program_says(self):
+        for summary, limit in (({"dz_limit_W": 0.881, "dz_limit_error_W": 0.01}, (0.881, 0.01)),
+                               ({"dz_limit_W": None, "dz_limit_error_W": None}, None),
+                               ({}, None)):
+            self.assertEqual(trajectories.Drawn(self.work, {}, summary, {}).limit_of_dz, limit)
 
 
 class Several(Directory):

@@ -55,6 +55,7 @@ def write_pair(directory, x_lag=-0.2, laplace=10.0, t=None, summary=True, **othe
     if summary:
         text = {"scenario": "M1", "status": "decided", "verdict": "stable",
                 "verdict_reason": "dz approaches 1.5 +- 0.04", "dz_W": 1.49,
+                "dz_limit_W": 1.5, "dz_limit_error_W": 0.04,
                 "bodies": [{"name": "lead", "x_limit_W": 0.001, "x_limit_error_W": 0.002},
                            {"name": "lag", "x_limit_W": -0.001, "x_limit_error_W": 0.002}],
                 "parameters": pair_parameters(x_lag, laplace, **others)}

@@ -3,7 +3,6 @@
 Lateral positions against time, for a pair the axial distance, and for capsules the strain energy:
 the layout of Fig. 6 of Patel & Stark, Soft Matter 17, 4804 (2021).
 """
-import re
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,14 +58,9 @@ class Drawn:
 
     @property
     def limit_of_dz(self):
-        """(value, error) [W] that the verdict extrapolates dz to, or None. Its reason has them."""
-        number = r"(-?\d[\d.]*(?:e[-+]?\d+)?)"
-        for part in self.summary.get("verdict_reason", "").split("; "):
-            found = re.match(r"dz (?:rests at|approaches|heads for|is at|.*, towards) " + number
-                             + r"(?: \+- " + number + ")?", part)
-            if found:
-                return float(found[1]), float(found[2] or 0)
-        return None
+        """(value, error) [W] that the verdict extrapolates dz to, or None."""
+        limit = self.summary.get("dz_limit_W")
+        return None if limit is None else (limit, self.summary["dz_limit_error_W"])
 
 
 def read(directory):
