@@ -1,6 +1,7 @@
 #include "checks/speed.hpp"
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <toml++/toml.h>
 #include <unistd.h>
 
@@ -129,6 +130,12 @@ BoxSize box_around(const suspension::BodyPlan& body) {
   };
   return {(width(0) + across) * (width(1) + across),
           std::ceil((width(2) + along) / vector) * vector};
+}
+
+int core_count() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  return sched_getaffinity(0, sizeof(set), &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
 }
 
 KnownSpeed guessed_speed(int cores) {

@@ -41,6 +41,8 @@ struct KnownSpeed {
 std::optional<std::string> keep_speed(const KnownSpeed& speed);
 /// What the last keep_speed() on this machine has kept; nothing if there is none that can be read.
 std::optional<KnownSpeed> known_speed();
+/// Cores that this process may use.
+int core_count();
 /// A cautious guess of a machine with so many cores, which share nothing: a third to a half of what
 /// the development machine does (doc/performance.md).
 KnownSpeed guessed_speed(int cores);

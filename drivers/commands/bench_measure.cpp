@@ -8,7 +8,6 @@
 #include <functional>
 #include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "checks/read_case.hpp"
@@ -306,7 +305,7 @@ BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
   BenchResult result;
   result.nodes = {options.nodes, options.nodes, 6 * options.nodes};
   result.ranks = ranks;
-  result.cores = static_cast<int>(std::thread::hardware_concurrency());
+  result.cores = core_count();
   result.instruction_set = fluid::name(fluid::best_instruction_set());
   const suspension::Plan plan = pair(options.nodes, fluid::Storage::double_precision);
   result.triangles = static_cast<int>(surface::triangle_count(plan.bodies.front().frequency));

@@ -1,7 +1,6 @@
 #include "commands/campaign.hpp"
 
 #include <fmt/format.h>
-#include <sched.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -33,13 +32,6 @@ namespace ductile::drivers {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// That this process may use.
-int core_count() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  return sched_getaffinity(0, sizeof(set), &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
-}
 
 /// A word given for a number, from 1 to `most`.
 int number_of(const std::string& option, const std::string& text, int most) {
@@ -109,7 +101,7 @@ void predict(const CampaignDirectory& directory, const std::vector<Job>& jobs,
   }
 }
 
-/// The cases, one a line, and how many ended in what way.
+/// The cases, one a line.
 void print_table(const CampaignDirectory& directory, const Campaign& campaign) {
   std::size_t width = 4;
   for (const CampaignCase& given : campaign.cases) width = std::max(width, given.name.size());
@@ -137,7 +129,7 @@ int exit_code_of(const CampaignDirectory& directory, const Campaign& campaign) {
       return std::ranges::find(states, directory.result(given).state) != states.end();
     });
   };
-  if (any({CaseState::failed, CaseState::refused})) return exit_failure;
+  if (any({CaseState::failed, CaseState::refused, CaseState::waiting})) return exit_failure;
   return any({CaseState::walltime, CaseState::unfinished}) ? exit_walltime : exit_success;
 }
 
@@ -280,8 +272,9 @@ void CampaignCommand::run(const Request& request, Afterwards& afterwards) const 
       say(stderr, "{} is refused: {}\n", read.entry.name, read.entry.refusal);
     if (read.trouble.empty()) continue;
     say(stderr, "{} cannot be run: {}\n", read.entry.name, read.trouble);
-    fs::create_directories(directory.run(read.entry.name), error);
-    write_atomically(directory.failure(read.entry.name), read.trouble + '\n');
+    // One whose directory was removed waits for the campaign file to be given again.
+    if (fs::is_directory(directory.run(read.entry.name), error))
+      write_atomically(directory.failure(read.entry.name), read.trouble + '\n');
   }
   if (prepare_ || gather_) {
     directory.gather(campaign);

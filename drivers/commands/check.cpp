@@ -2,10 +2,10 @@
 
 #include <cstdio>
 #include <limits>
-#include <thread>
 
 #include "checks/read_case.hpp"
 #include "checks/report.hpp"
+#include "checks/speed.hpp"
 #include "commands/input.hpp"
 #include "output/say.hpp"
 
@@ -27,9 +27,8 @@ Case CheckCommand::prepare() const {
 
 int CheckCommand::execute(MPI_Comm comm, Afterwards& /*afterwards*/) {
   return with_input(comm, [this] {
-    const int cores = static_cast<int>(std::thread::hardware_concurrency());
     const double patience = thorough_ ? std::numeric_limits<double>::infinity() : usual_patience;
-    say(stdout, report(prepare(), cores, known_speed(), patience));
+    say(stdout, report(prepare(), core_count(), known_speed(), patience));
   });
 }
 
