@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include "analysis/contacts.hpp"
 #include "checks/geometry.hpp"
 #include "checks/speed.hpp"
 #include "scenario/defaults.hpp"
+#include "scenario/text.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -21,15 +21,6 @@ using suspension::Plan;
 constexpr double sound_mach = 0.15;
 constexpr double smallest_radius = 4;  // lattice spacings
 constexpr double sound_lead = 0.01;    // of waves of length 2 a, of the flow's velocity
-
-/// The first few names.
-std::string some_of(const std::vector<std::string>& names) {
-  constexpr std::size_t shown = 5;
-  const auto first = std::span(names).first(std::min(shown, names.size()));
-  return names.size() <= shown
-             ? fmt::format("{}", fmt::join(first, ", "))
-             : fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - shown);
-}
 
 /// What lowers the largest part of a load.
 std::string_view cure(const StabilityLoad& load) {

@@ -11,6 +11,7 @@
 #include "run/exit_code.hpp"
 #include "run/root.hpp"
 #include "scenario/errors.hpp"
+#include "scenario/text.hpp"
 
 namespace ductile::drivers {
 
@@ -32,7 +33,7 @@ std::vector<std::vector<std::string>> advise(const std::vector<std::pair<std::st
   }
   for (const auto& [line, names] : lines) {
     const std::string about =
-        names.size() == cases.size() ? "" : fmt::format(" (of {})", fmt::join(names, ", "));
+        names.size() == cases.size() ? "" : fmt::format(" (of {})", some_of(names));
     say(stderr, "{}{}\n", line, about);
   }
   return of_cases;

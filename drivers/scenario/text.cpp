@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 namespace ductile::drivers {
 namespace {
@@ -97,6 +98,14 @@ std::string suggestion(std::string_view given, const std::vector<std::string_vie
     }
   }
   return best.empty() ? "" : fmt::format(" did you mean {}?", in_quotes(best));
+}
+
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t shown = 5;
+  const auto first = std::span(names).first(std::min(shown, names.size()));
+  return names.size() <= shown
+             ? fmt::format("{}", fmt::join(first, ", "))
+             : fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - shown);
 }
 
 std::string joined(const std::vector<std::string_view>& names) {

@@ -32,6 +32,9 @@ std::string suggestion(std::string_view given, const std::vector<std::string_vie
 /// "a, b, c"
 std::string joined(const std::vector<std::string_view>& names);
 
+/// The first few names: "a, b, c, d, e and 12 more".
+std::string some_of(const std::vector<std::string>& names);
+
 /// "8 s", "3 min 20 s", "2 h 05 min", "3.1 days".
 std::string duration_text(double seconds);
 /// Seconds of "90s", "30m", "11.5h", "2d", "MM:SS", "HH:MM:SS" or "D-HH:MM:SS"; nothing of anything
