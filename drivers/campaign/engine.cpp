@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 #include <numeric>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -115,10 +116,9 @@ struct Lane {
 
 class Engine {
  public:
-  Engine(const CampaignDirectory& directory, const Campaign& campaign, const std::vector<Job>& jobs,
+  Engine(const std::vector<LaidOut>& campaigns, const std::vector<Job>& jobs,
          const EngineOptions& options, const KnownSpeed& speed, const std::function<int()>& stop)
-      : directory_(directory),
-        campaign_(campaign),
+      : campaigns_(campaigns),
         jobs_(jobs),
         options_(options),
         stop_(stop),
@@ -209,16 +209,17 @@ class Engine {
          n-- > 0 && signal_ == 0 && lanes_.size() < static_cast<std::size_t>(options_.at_once);) {
       const std::size_t job = queue_[n];
       const std::string& name = jobs_[job].name;
-      if (waits && is_locked(directory_.run(name))) continue;
+      const CampaignDirectory& directory = campaign_of(job).directory;
+      if (waits && is_locked(directory.run(name))) continue;
       queue_.erase(queue_.begin() + static_cast<std::ptrdiff_t>(n));
-      lanes_.emplace_back(job, started(directory_, name, options_),
-                          directory_.run(name) / "trajectory.csv", jobs_[job].given,
+      lanes_.emplace_back(job, started(directory, name, options_),
+                          directory.run(name) / "trajectory.csv", jobs_[job].given,
                           Progress::steady_seconds());
     }
   }
 
   void reap() {
-    bool any = false;
+    std::set<std::size_t> changed;  // campaigns
     for (std::size_t n = 0; n < lanes_.size();) {
       const std::optional<Ending> ending = lanes_[n].process.ended();
       if (!ending) {
@@ -226,24 +227,36 @@ class Engine {
         continue;
       }
       const std::size_t job = lanes_[n].job;
-      static_cast<void>(concluded(directory_, jobs_[job].name, *ending, signal_ != 0));
+      static_cast<void>(
+          concluded(campaign_of(job).directory, jobs_[job].name, *ending, signal_ != 0));
       tell(job, Progress::steady_seconds() - lanes_[n].since);
       done_ += durations_[job];
       lanes_.erase(lanes_.begin() + static_cast<std::ptrdiff_t>(n));
-      any = true;
+      changed.insert(jobs_[job].campaign);
     }
-    if (any) directory_.gather(campaign_);
+    for (const std::size_t c : changed) campaigns_[c].directory.gather(campaigns_[c].campaign);
   }
 
   void tell(std::size_t job, double seconds) {
-    const auto entry = std::ranges::find(campaign_.cases, jobs_[job].name, &CampaignCase::name);
-    const CaseResult result = directory_.result(*entry);
-    std::string line = fmt::format("{}: {}", entry->name, result.status);
+    const auto& [directory, campaign] = campaign_of(job);
+    const auto entry = std::ranges::find(campaign.cases, jobs_[job].name, &CampaignCase::name);
+    const CaseResult result = directory.result(*entry);
+    std::string line = fmt::format("{}: {}", called(job), result.status);
     if (!result.verdict.empty()) line += fmt::format(", {}", result.verdict);
     if (result.dz) line += fmt::format(", dz = {:.3f}", *result.dz);
     if (result.time) line += fmt::format(" at t = {:.2f}", *result.time);
     if (!result.reason.empty()) line += fmt::format(" ({})", result.reason);
     board_.tell(line + "; " + duration_text(seconds));
+  }
+
+  [[nodiscard]] const LaidOut& campaign_of(std::size_t job) const {
+    return campaigns_[jobs_[job].campaign];
+  }
+
+  // A case's name, which two campaigns may share.
+  [[nodiscard]] std::string called(std::size_t job) const {
+    const std::string& name = jobs_[job].name;
+    return campaigns_.size() == 1 ? name : campaign_of(job).campaign.name + '/' + name;
   }
 
   void show(double now) {
@@ -255,7 +268,7 @@ class Engine {
       lane.watch.look();
       BoardRow& row = rows.emplace_back();
       const Job& job = jobs_[lane.job];
-      row.name = job.name;
+      row.name = called(lane.job);
       row.time = lane.watch.time();
       row.time_limit = job.given.scenario.run.time_limit;
       row.dz = lane.watch.dz();
@@ -273,18 +286,15 @@ class Engine {
       }
       left += (1 - share) * durations_[lane.job];
     }
-    BoardCounts counts{campaign_.cases.size(),
-                       campaign_.cases.size() - lanes_.size() - queue_.size(),
-                       queue_.size(),
-                       {}};
+    BoardCounts counts{
+        jobs_.size(), jobs_.size() - lanes_.size() - queue_.size(), queue_.size(), {}};
     const double done = done_ + under_way;
     constexpr double enough = 0.02;  // of all, to tell by
     if (done > enough * (done + left)) counts.left = left * (now - begun_) / done;
     board_.show(now, rows, counts);
   }
 
-  const CampaignDirectory& directory_;
-  const Campaign& campaign_;
+  const std::vector<LaidOut>& campaigns_;
   const std::vector<Job>& jobs_;
   const EngineOptions& options_;
   const std::function<int()>& stop_;
@@ -334,10 +344,10 @@ int run_one(const CampaignDirectory& directory, const std::string& name,
   }
 }
 
-int run_jobs(const CampaignDirectory& directory, const Campaign& campaign,
-             const std::vector<Job>& jobs, const EngineOptions& options, const KnownSpeed& speed,
+int run_jobs(const std::vector<LaidOut>& campaigns, const std::vector<Job>& jobs,
+             const EngineOptions& options, const KnownSpeed& speed,
              const std::function<int()>& stop) {
-  return Engine(directory, campaign, jobs, options, speed, stop).run();
+  return Engine(campaigns, jobs, options, speed, stop).run();
 }
 
 }  // namespace ductile::drivers

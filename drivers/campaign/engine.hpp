@@ -20,8 +20,15 @@ struct EngineOptions {
   std::string max_walltime;              ///< of a run, as the user has put it; or empty
 };
 
+/// A campaign that has been laid out.
+struct LaidOut {
+  CampaignDirectory directory;
+  Campaign campaign;
+};
+
 /// A case to be run.
 struct Job {
+  std::size_t campaign = 0;  ///< which one it is of
   std::string name;
   Case given;
 };
@@ -37,11 +44,12 @@ double expected_span(std::vector<double> durations, int at_once);
 int run_one(const CampaignDirectory& directory, const std::string& name,
             const EngineOptions& options, const std::function<int()>& stop);
 
-/// Runs or goes on with the jobs, the longest first, shows them on stderr, and brings campaign.csv
-/// up to date whenever one has ended. `stop` is asked for a signal: the first ends the runs, with a
-/// checkpoint each. Gives the signal, or 0. Throws OutputError.
-int run_jobs(const CampaignDirectory& directory, const Campaign& campaign,
-             const std::vector<Job>& jobs, const EngineOptions& options, const KnownSpeed& speed,
+/// Runs or goes on with the jobs of these campaigns, the longest first, shows them on stderr, and
+/// brings the campaign.csv of one up to date whenever one of its has ended. `stop` is asked for a
+/// signal: the first ends the runs, with a checkpoint each. Gives the signal, or 0. Throws
+/// OutputError.
+int run_jobs(const std::vector<LaidOut>& campaigns, const std::vector<Job>& jobs,
+             const EngineOptions& options, const KnownSpeed& speed,
              const std::function<int()>& stop);
 
 }  // namespace ductile::drivers

@@ -1,6 +1,7 @@
 #include "commands/campaign.hpp"
 
 #include <fmt/format.h>
+#include <fnmatch.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -75,9 +76,8 @@ void choose_width(EngineOptions& options, const std::vector<Job>& jobs, int rank
   if (ranks == 0) options.ranks = std::clamp(cores / options.at_once, 1, planes);
 }
 
-void predict(const CampaignDirectory& directory, const std::vector<Job>& jobs,
-             const EngineOptions& options, const std::optional<KnownSpeed>& known,
-             const KnownSpeed& speed) {
+void predict(const fs::path& place, const std::vector<Job>& jobs, const EngineOptions& options,
+             const std::optional<KnownSpeed>& known, const KnownSpeed& speed) {
   std::vector<double> durations;
   double disk = 0;
   for (const Job& job : jobs) {
@@ -94,26 +94,46 @@ void predict(const CampaignDirectory& directory, const std::vector<Job>& jobs,
             : "a guess: run `ductile bench` once for a better one",
       size_text(disk));
   struct statvfs volume {};
-  if (statvfs(directory.path().c_str(), &volume) != 0) return;
+  if (statvfs(place.c_str(), &volume) != 0) return;
   const double free = static_cast<double>(volume.f_bavail) * static_cast<double>(volume.f_frsize);
   if (disk > free) {
-    say(stderr, "warning: {} of disk are free in {}\n", size_text(free), directory.path().string());
+    say(stderr, "warning: {} of disk are free in {}\n", size_text(free), place.string());
   }
 }
 
+/// A campaign that is run, and which of its cases were asked for.
+struct Chosen {
+  LaidOut laid_out;
+  std::vector<CampaignCase> cases;
+};
+
+/// A case's name, which two campaigns may share.
+std::string called(const std::vector<Chosen>& campaigns, std::size_t campaign,
+                   const std::string& name) {
+  return campaigns.size() == 1 ? name : campaigns[campaign].laid_out.campaign.name + '/' + name;
+}
+
 /// The cases, one a line.
-void print_table(const CampaignDirectory& directory, const Campaign& campaign) {
+void print_table(const std::vector<Chosen>& campaigns) {
+  std::vector<std::pair<std::string, CaseResult>> rows;
   std::size_t width = 4;
-  for (const CampaignCase& given : campaign.cases) width = std::max(width, given.name.size());
+  for (std::size_t c = 0; c < campaigns.size(); ++c) {
+    const auto& [laid_out, cases] = campaigns[c];
+    for (const CampaignCase& given : cases) {
+      rows.emplace_back(
+          campaigns.size() == 1 ? given.name : laid_out.campaign.name + '/' + given.name,
+          laid_out.directory.result(given));
+      width = std::max(width, rows.back().first.size());
+    }
+  }
   width = std::min<std::size_t>(width, 80);
   std::string text = fmt::format("{:<{}}  {:<13}  {:<9}  {:>8}  {:>8}\n", "case", width, "state",
                                  "verdict", "dz", "t");
   const auto cell = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.3f}", *value) : std::string();
   };
-  for (const CampaignCase& given : campaign.cases) {
-    const CaseResult result = directory.result(given);
-    text += fmt::format("{:<{}}  {:<13}  {:<9}  {:>8}  {:>8}", shortened(given.name, width), width,
+  for (const auto& [name, result] : rows) {
+    text += fmt::format("{:<{}}  {:<13}  {:<9}  {:>8}  {:>8}", shortened(name, width), width,
                         result.status, result.verdict, cell(result.dz), cell(result.time));
     const bool told = result.state == CaseState::failed || result.state == CaseState::refused ||
                       result.status == "blew up" || result.status == "contact";
@@ -122,36 +142,43 @@ void print_table(const CampaignDirectory& directory, const Campaign& campaign) {
   say(stdout, text);
 }
 
-/// What the program returns when all has been done that could be.
-int exit_code_of(const CampaignDirectory& directory, const Campaign& campaign) {
-  const auto any = [&](std::initializer_list<CaseState> states) {
-    return std::ranges::any_of(campaign.cases, [&](const CampaignCase& given) {
-      return std::ranges::find(states, directory.result(given).state) != states.end();
+/// Whether any of the cases that were asked for is in one of these states.
+bool any_in(const std::vector<Chosen>& campaigns, std::initializer_list<CaseState> states) {
+  return std::ranges::any_of(campaigns, [&](const Chosen& chosen) {
+    return std::ranges::any_of(chosen.cases, [&](const CampaignCase& given) {
+      const CaseState state = chosen.laid_out.directory.result(given).state;
+      return std::ranges::find(states, state) != states.end();
     });
-  };
-  if (any({CaseState::failed, CaseState::refused, CaseState::waiting})) return exit_failure;
-  return any({CaseState::walltime, CaseState::unfinished}) ? exit_walltime : exit_success;
+  });
 }
 
-int run_all(const CampaignDirectory& directory, const Campaign& campaign,
-            const std::vector<Job>& jobs, const EngineOptions& options, const KnownSpeed& speed) {
+/// What the program returns when all has been done that could be.
+int exit_code_of(const std::vector<Chosen>& campaigns) {
+  if (any_in(campaigns, {CaseState::failed, CaseState::refused, CaseState::waiting}))
+    return exit_failure;
+  return any_in(campaigns, {CaseState::walltime, CaseState::unfinished}) ? exit_walltime
+                                                                         : exit_success;
+}
+
+int run_all(const std::vector<Chosen>& campaigns, const std::vector<Job>& jobs,
+            const EngineOptions& options, const KnownSpeed& speed) {
   const Signals signals;
   int signal = 0;
-  if (!jobs.empty()) {
-    signal = run_jobs(directory, campaign, jobs, options, speed, [&] { return signals.stop(); });
+  std::vector<LaidOut> laid_out;
+  for (const Chosen& chosen : campaigns) laid_out.push_back(chosen.laid_out);
+  if (!jobs.empty())
+    signal = run_jobs(laid_out, jobs, options, speed, [&] { return signals.stop(); });
+  for (const auto& [directory, campaign] : laid_out) directory.gather(campaign);
+  print_table(campaigns);
+  std::string directories;
+  for (const auto& [directory, campaign] : laid_out) {
+    say(stdout, "results in {}\n", directory.table().string());
+    directories += ' ' + directory.path().string();
   }
-  directory.gather(campaign);
-  print_table(directory, campaign);
-  say(stdout, "results in {}\n", directory.table().string());
-  const int code =
-      signal != 0 ? static_cast<int>(exit_interrupted) : exit_code_of(directory, campaign);
-  const bool more = std::ranges::any_of(campaign.cases, [&](const CampaignCase& given) {
-    const CaseState state = directory.result(given).state;
-    return state != CaseState::ended && state != CaseState::refused;
-  });
-  if (more) {
-    say(stdout, "`ductile campaign {}` goes on with the cases that have not ended\n",
-        directory.path().string());
+  const int code = signal != 0 ? static_cast<int>(exit_interrupted) : exit_code_of(campaigns);
+  if (any_in(campaigns,
+             {CaseState::waiting, CaseState::unfinished, CaseState::walltime, CaseState::failed})) {
+    say(stdout, "`ductile campaign{}` goes on with the cases that have not ended\n", directories);
   }
   return code;
 }
@@ -164,11 +191,21 @@ CLI::App* CampaignCommand::declare(CLI::App& program) {
       "Run the cases of a study, side by side; those that have ended are not run again");
   command
       ->add_option("FILE", given_,
-                   "The campaign, TOML (doc/studies.md); or the directory of one, to go on with it")
+                   "The campaign, TOML (doc/studies.md), or several, whose cases are run in one "
+                   "queue; or the directories of some, to go on with them")
       ->required()
       ->type_name("");
-  command->add_option("-o,--output", output_, "Directory of the results; runs/NAME by default")
+  command
+      ->add_option("-o,--output", output_,
+                   "Directory of the results, runs/NAME by default; of several campaigns, DIR/NAME "
+                   "each")
       ->type_name("DIR");
+  command
+      ->add_option("--only", only_,
+                   "Run these cases alone, the others wait: names of cases, or of campaign/case, "
+                   "in which * stands for anything; may be repeated")
+      ->type_name("PATTERN")
+      ->allow_extra_args(false);
   command->add_option("--ranks", ranks_, "Ranks of each run; 1, while there are cases enough")
       ->type_name("N");
   command->add_option("--at-once", at_once_, "Runs side by side; as many as cores and memory allow")
@@ -188,125 +225,211 @@ CLI::App* CampaignCommand::declare(CLI::App& program) {
   return command;
 }
 
-bool CampaignCommand::laid_out() const {
+namespace {
+
+bool is_directory(const std::string& given) {
   std::error_code error;
-  return fs::is_directory(given_, error);
+  return fs::is_directory(given, error);
 }
+
+bool matches(const std::string& pattern, const std::string& campaign, const std::string& name) {
+  return fnmatch(pattern.c_str(), name.c_str(), 0) == 0 ||
+         fnmatch(pattern.c_str(), (campaign + '/' + name).c_str(), 0) == 0;
+}
+
+}  // namespace
 
 void CampaignCommand::check_options() const {
   if ((prepare_ ? 1 : 0) + (gather_ ? 1 : 0) + (case_.empty() ? 0 : 1) > 1)
     throw InputError("ductile campaign: --prepare, --case and --gather exclude each other");
-  if (laid_out() && (prepare_ || force_ || !output_.empty())) {
+  if (!only_.empty() && (gather_ || !case_.empty()))
+    throw InputError("ductile campaign: --only does not go with --case or --gather");
+  const bool laid_out = is_directory(given_.front());
+  if (std::ranges::any_of(
+          given_, [&](const std::string& given) { return is_directory(given) != laid_out; })) {
+    throw InputError("ductile campaign: takes either campaign files or directories of campaigns");
+  }
+  if (laid_out && (prepare_ || force_ || !output_.empty())) {
     throw InputError(
         "ductile campaign: -o, --force and --prepare go with a campaign file, not with a "
         "directory");
   }
-  if (!laid_out() && (gather_ || !case_.empty()))
+  if (!laid_out && (gather_ || !case_.empty()))
     throw InputError("ductile campaign: --case and --gather go with a campaign's directory");
+  if (!case_.empty() && given_.size() > 1)
+    throw InputError("ductile campaign: --case goes with one directory");
   static_cast<void>(walltime_of(max_walltime_));
 }
 
-CampaignCommand::Request CampaignCommand::prepare() const {
-  check_options();
+CampaignCommand::Request CampaignCommand::prepare(const std::string& given) const {
   Request request;
-  request.directory = given_;
-  if (laid_out()) {
+  request.directory = given;
+  if (is_directory(given)) {
     const CampaignDirectory directory(request.directory);
-    for (const CampaignCase& entry : directory.read().cases) {
+    Campaign campaign = directory.read();
+    request.name = campaign.name;
+    for (CampaignCase& entry : campaign.cases) {
       ReadCase& read = request.cases.emplace_back();
-      read.entry = entry;
-      if (!entry.refusal.empty() || gather_ || !case_.empty()) continue;
+      read.entry = std::move(entry);
+      if (!read.entry.refusal.empty() || gather_ || !case_.empty()) continue;
       try {
-        read.given = load_case(directory.run(entry.name) / "scenario.toml");
+        read.given = load_case(directory.run(read.entry.name) / "scenario.toml");
       } catch (const InputError& error) {
         read.trouble = error.what();
       }
     }
     return request;
   }
-  request.text = read_text(given_);
-  request.sweep = parse_sweep(request.text, given_);
+  request.text = read_text(given);
+  request.sweep = parse_sweep(request.text, given);
+  request.name = request.sweep->name;
   request.cases = read_cases(*request.sweep);
-  request.directory = output_.empty() ? fs::path("runs") / request.sweep->name : fs::path(output_);
+  request.directory = output_.empty()      ? fs::path("runs") / request.name
+                      : given_.size() == 1 ? fs::path(output_)
+                                           : fs::path(output_) / request.name;
   return request;
 }
 
-void CampaignCommand::run(const Request& request, Afterwards& afterwards) const {
-  const CampaignDirectory directory(request.directory);
+std::vector<CampaignCommand::Request> CampaignCommand::prepare() const {
+  check_options();
+  std::vector<Request> requests;
+  for (const std::string& given : given_) {
+    requests.push_back(prepare(given));
+    for (std::size_t n = 0; n + 1 < requests.size(); ++n) {
+      if (requests[n].directory.lexically_normal() ==
+          requests.back().directory.lexically_normal()) {
+        throw InputError(fmt::format("{} and {}: both would have the directory {}", given_[n],
+                                     given, requests[n].directory.string()));
+      }
+    }
+  }
+  check_patterns(requests);
+  return requests;
+}
+
+void CampaignCommand::check_patterns(const std::vector<Request>& requests) const {
+  for (const std::string& pattern : only_) {
+    const bool known = std::ranges::any_of(requests, [&](const Request& request) {
+      return std::ranges::any_of(request.cases, [&](const ReadCase& read) {
+        return matches(pattern, request.name, read.entry.name);
+      });
+    });
+    if (known) continue;
+    throw InputError(fmt::format("--only {}: no case is called so: the first one is {}",
+                                 in_quotes(shortened(pattern, 200)),
+                                 requests.front().cases.front().entry.name));
+  }
+}
+
+bool CampaignCommand::chosen(const std::string& campaign, const std::string& name) const {
+  return only_.empty() || std::ranges::any_of(only_, [&](const std::string& pattern) {
+           return matches(pattern, campaign, name);
+         });
+}
+
+namespace {
+
+EngineOptions engine_options(const std::string& max_walltime) {
   EngineOptions options;
   options.program = fs::read_symlink("/proc/self/exe").string();
   options.environment = environment_without_job();
-  options.max_walltime = max_walltime_;
-  constexpr int most = 100000;
-  const int ranks = ranks_.empty() ? 0 : number_of("--ranks", ranks_, most);
-  const int at_once = at_once_.empty() ? 0 : number_of("--at-once", at_once_, most);
+  options.max_walltime = max_walltime;
+  return options;
+}
 
-  if (!case_.empty()) {
-    const auto entry = std::ranges::find(request.cases, case_,
-                                         [](const ReadCase& read) { return read.entry.name; });
-    if (entry == request.cases.end()) {
-      throw InputError(fmt::format("{}: has no case {}", request.directory.string(),
-                                   in_quotes(shortened(case_, 200))));
-    }
-    if (!entry->entry.refusal.empty()) throw InputError(entry->entry.refusal);
-    if (directory.result(entry->entry).state == CaseState::ended) return;
-    options.ranks = std::max(1, ranks);
-    afterwards.work = [directory, name = case_, options] {
-      const Signals signals;
-      const int code = run_one(directory, name, options, [&] { return signals.stop(); });
-      return code == exit_blow_up || code == exit_contact ? static_cast<int>(exit_success) : code;
-    };
-    return;
+constexpr int most_ranks = 100000;
+
+}  // namespace
+
+void CampaignCommand::run_case(const Request& request, Afterwards& afterwards) const {
+  const CampaignDirectory directory(request.directory);
+  const auto entry =
+      std::ranges::find(request.cases, case_, [](const ReadCase& read) { return read.entry.name; });
+  if (entry == request.cases.end()) {
+    throw InputError(fmt::format("{}: has no case {}", request.directory.string(),
+                                 in_quotes(shortened(case_, 200))));
   }
+  if (!entry->entry.refusal.empty()) throw InputError(entry->entry.refusal);
+  if (directory.result(entry->entry).state == CaseState::ended) return;
+  EngineOptions options = engine_options(max_walltime_);
+  options.ranks = ranks_.empty() ? 1 : number_of("--ranks", ranks_, most_ranks);
+  afterwards.work = [directory, name = case_, options] {
+    const Signals signals;
+    const int code = run_one(directory, name, options, [&] { return signals.stop(); });
+    return code == exit_blow_up || code == exit_contact ? static_cast<int>(exit_success) : code;
+  };
+}
+
+void CampaignCommand::run(const std::vector<Request>& requests, Afterwards& afterwards) const {
+  EngineOptions options = engine_options(max_walltime_);
+  const int ranks = ranks_.empty() ? 0 : number_of("--ranks", ranks_, most_ranks);
+  const int at_once = at_once_.empty() ? 0 : number_of("--at-once", at_once_, most_ranks);
 
   std::error_code error;
-  if (!force_ && !fs::exists(directory.index(), error)) require_free(directory.path(), false);
-  fs::create_directories(directory.path(), error);
-  if (error) fail_to_write(directory.path(), error.value());
-  auto lock = std::make_shared<DirectoryLock>(directory.path(), "campaign");
-  const Campaign campaign =
-      request.sweep ? lay_out(directory, *request.sweep, request.cases, request.text, force_)
-                    : directory.read();
-  for (const ReadCase& read : request.cases) {
-    if (!read.entry.refusal.empty())
-      say(stderr, "{} is refused: {}\n", read.entry.name, read.entry.refusal);
-    if (read.trouble.empty()) continue;
-    say(stderr, "{} cannot be run: {}\n", read.entry.name, read.trouble);
-    // One whose directory was removed waits for the campaign file to be given again.
-    if (fs::is_directory(directory.run(read.entry.name), error))
-      write_atomically(directory.failure(read.entry.name), read.trouble + '\n');
+  std::vector<std::shared_ptr<DirectoryLock>> locks;
+  for (const Request& request : requests) {
+    const CampaignDirectory directory(request.directory);
+    if (!force_ && !fs::exists(directory.index(), error)) require_free(directory.path(), false);
   }
-  if (prepare_ || gather_) {
-    directory.gather(campaign);
-    say(stdout, "{} cases in {}\n", campaign.cases.size(), directory.path().string());
-    return;
+  for (const Request& request : requests) {
+    fs::create_directories(request.directory, error);
+    if (error) fail_to_write(request.directory, error.value());
+    locks.push_back(std::make_shared<DirectoryLock>(request.directory, "campaign"));
   }
+  std::vector<Chosen> campaigns;
   std::vector<Job> jobs;
-  for (const ReadCase& read : request.cases) {
-    if (read.given && directory.result(read.entry).state != CaseState::ended)
-      jobs.push_back({read.entry.name, *read.given});
+  for (const Request& request : requests) {
+    const CampaignDirectory directory(request.directory);
+    Chosen& own = campaigns.emplace_back(Chosen{
+        {directory, request.sweep
+                        ? lay_out(directory, *request.sweep, request.cases, request.text, force_)
+                        : directory.read()},
+        {}});
+    for (const ReadCase& read : request.cases) {
+      const std::string& name = read.entry.name;
+      if (!chosen(request.name, name)) continue;
+      own.cases.push_back(read.entry);
+      if (!read.entry.refusal.empty()) say(stderr, "{} is refused: {}\n", name, read.entry.refusal);
+      if (read.given && directory.result(read.entry).state != CaseState::ended)
+        jobs.push_back({campaigns.size() - 1, name, *read.given});
+      if (read.trouble.empty()) continue;
+      say(stderr, "{} cannot be run: {}\n", name, read.trouble);
+      // One whose directory was removed waits for the campaign file to be given again.
+      if (fs::is_directory(directory.run(name), error))
+        write_atomically(directory.failure(name), read.trouble + '\n');
+    }
+    if (prepare_ || gather_) {
+      directory.gather(own.laid_out.campaign);
+      say(stdout, "{} cases in {}\n", request.cases.size(), directory.path().string());
+    }
   }
+  if (prepare_ || gather_) return;
   const std::optional<KnownSpeed> known = known_speed();
   const KnownSpeed speed = known ? *known : guessed_speed(core_count());
   if (!jobs.empty()) {
     std::vector<std::pair<std::string, Case>> cases;
     cases.reserve(jobs.size());
-    for (const Job& job : jobs) cases.emplace_back(job.name, job.given);
+    for (const Job& job : jobs)
+      cases.emplace_back(called(campaigns, job.campaign, job.name), job.given);
     constexpr double seconds = 5;  // for all predictions of stability; a run makes its own
     static_cast<void>(advise(cases, seconds / static_cast<double>(cases.size())));
     choose_width(options, jobs, ranks, at_once);
-    predict(directory, jobs, options, known, speed);
+    predict(requests.front().directory, jobs, options, known, speed);
   }
-  afterwards.work = [directory, campaign, jobs = std::move(jobs), options, speed, lock] {
-    return run_all(directory, campaign, jobs, options, speed);
-  };
+  afterwards.work = [campaigns = std::move(campaigns), jobs = std::move(jobs), options, speed,
+                     locks = std::move(locks)] { return run_all(campaigns, jobs, options, speed); };
 }
 
 int CampaignCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
   return with_input(comm, [&] {
     if (ranks_of(comm).all > 1)
       throw InputError("ductile campaign: starts its runs itself: call it without mpirun");
-    run(prepare(), afterwards);
+    const std::vector<Request> requests = prepare();
+    if (!case_.empty()) {
+      run_case(requests.front(), afterwards);
+    } else {
+      run(requests, afterwards);
+    }
   });
 }
 

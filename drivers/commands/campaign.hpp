@@ -12,30 +12,36 @@
 
 namespace ductile::drivers {
 
-/// Lays out the cases of a campaign file in a directory, or takes one that has been laid out, and
-/// runs those that have not ended: on this machine side by side, or one of them for an engine that
-/// calls the program case by case.
+/// Lays out the cases of campaign files in a directory each, or takes those that have been laid
+/// out, and runs those that have not ended: on this machine side by side, all campaigns in one
+/// queue, or one case for an engine that calls the program case by case.
 class CampaignCommand final : public Command {
  public:
   /// A campaign that is to be laid out, or has been.
   struct Request {
+    std::string name;
     std::filesystem::path directory;
     std::string text;  ///< of the campaign file; empty if it has been laid out
     std::optional<Sweep> sweep;
     std::vector<ReadCase> cases;
   };
   CLI::App* declare(CLI::App& program) override;
-  /// What the options ask for. Throws InputError. Nothing is written.
-  [[nodiscard]] Request prepare() const;
+  /// What the options ask for, one for each file or directory. Throws InputError. Nothing is
+  /// written.
+  [[nodiscard]] std::vector<Request> prepare() const;
   /// Checks and lays out; the cases are run afterwards.
   int execute(MPI_Comm comm, Afterwards& afterwards) override;
 
  private:
-  [[nodiscard]] bool laid_out() const;
   void check_options() const;
-  void run(const Request& request, Afterwards& afterwards) const;
+  [[nodiscard]] Request prepare(const std::string& given) const;
+  void check_patterns(const std::vector<Request>& requests) const;
+  [[nodiscard]] bool chosen(const std::string& campaign, const std::string& name) const;
+  void run_case(const Request& request, Afterwards& afterwards) const;
+  void run(const std::vector<Request>& requests, Afterwards& afterwards) const;
 
-  std::string given_;
+  std::vector<std::string> given_;
+  std::vector<std::string> only_;
   std::string output_;
   std::string case_;
   std::string max_walltime_;

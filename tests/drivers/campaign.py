@@ -151,6 +151,34 @@ with open(other, "w", encoding="ascii") as file:
 code, said = run(other, "-o", first)
 expect(code == 2 and "fluid.tau = 0.9 where the run has 1.0" in said and "--force" in said, code, said)
 
+# Some cases of a campaign, and two campaigns in one queue: the same cases, the same rows.
+some = os.path.join(work, "some")
+code, said = run(finite, "-o", some, "--only", "q*", "--only", "finite/slow")
+expect(code == 0 and "long" not in said, code, said)
+expect(states(some) == {"slow": "finished", "quick": "finished", "fails": "waiting",
+                        "long": "waiting", "refused": "refused"}, states(some), said)
+for name in ("slow", "quick"):
+    expect(rows(some)[name] == rows(whole)[name], rows(some)[name], rows(whole)[name])
+code, said = run(some, "--only", "nothing*")
+expect(code == 2 and '--only "nothing*": no case is called so: the first one is slow' in said,
+       code, said)
+short = campaign_file("short.toml", 0.2)
+both = os.path.join(work, "both")
+code, said = run(finite, short, "-o", both, "--only", "*/quick", "--only", "short/long")
+expect(code == 0 and "finite/quick" in said and "short/long" in said, code, said)
+expect(rows(os.path.join(both, "finite"))["quick"] == rows(whole)["quick"], said)
+expect({name for name, row in rows(os.path.join(both, "short")).items()
+        if row["state"] == "finished"} == {"quick", "long"}, said)
+code, said = run(os.path.join(both, "finite"), os.path.join(both, "short"))
+expect(code == 1 and {row["state"] for name in ("finite", "short")
+                      for row in rows(os.path.join(both, name)).values()} ==
+       {"finished", "refused"}, code, said)
+expect(rows(os.path.join(both, "finite")) == rows(whole), said)
+code, said = run(finite, finite, "-o", both)
+expect(code == 2 and "both would have the directory" in said, code, said)
+code, said = run(finite, whole)
+expect(code == 2 and "either campaign files or directories" in said, code, said)
+
 # Killed, all of it, at moments of no choice.
 killed = os.path.join(work, "killed")
 survived = 0
