@@ -165,6 +165,10 @@ class Migrations(unittest.TestCase):
         self.assertLess(migration.time.error, 0.1)
         with self.assertRaisesRegex(ductile.DuctileError, "heads for"):
             ductile.migration_time(t, 0.1 + x, extrapolate=True)
+        # One that swings about the axis, away from it at the end, is not on its way there.
+        swinging = 0.0011 * (1.2 + np.cos(2 * np.pi * t / 45))
+        with self.assertRaisesRegex(ductile.DuctileError, "does not approach 0 W"):
+            ductile.migration_time(t, swinging, extrapolate=True)
 
     def test_a_body_that_is_there_has_none(self):
         with self.assertRaisesRegex(ductile.DuctileError, "from the beginning"):

@@ -298,6 +298,10 @@ def _extrapolated(t, x, target, within, first, fit):
     # Towards the target itself, which is known: log|x - target| is a straight line.
     line = fit_line(fit.t, np.log(np.abs(fit.y - target)))
     level, slope = line.level.value, line.slope.value
+    if slope + line.slope.error95 >= 0:
+        raise DuctileError(f"the body does not approach {target:g} W: it ends at "
+                           f"{abs(x[-1] - target):.3g} W from it, and log|x| changes by "
+                           f"{line.slope} per W^2/nu")
     arrived = 0.5 * (line.t[0] + line.t[-1]) + (np.log(within) - level) / slope
     # Level and slope at the middle of the window are independent.
     errors = [np.hypot(getattr(line.level, which) / slope,
