@@ -2,6 +2,7 @@
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
 #   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `resume`, `compare`, `bench` on all cores
+#   ./ductile.sh reproduce [--quick|--paper]  the paper's study, computed and laid beside the paper
 #   ./ductile.sh snakemake DIR [OPTION ...]  the cases of a campaign's directory, by Snakemake
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
@@ -14,7 +15,7 @@ build=$top/build
 packages=(g++ cmake ninja-build pkg-config libpetsc-real-dev libopenmpi-dev openmpi-bin
   libeigen3-dev libhdf5-openmpi-dev libtomlplusplus-dev libcli11-dev libfmt-dev libxxhash-dev
   nlohmann-json3-dev libgtest-dev
-  python3-numpy python3-scipy python3-pandas python3-h5py python3-matplotlib)
+  python3-numpy python3-scipy python3-pandas python3-h5py python3-matplotlib python3-jinja2)
 
 say() { printf 'ductile.sh: %s\n' "$*" >&2; }
 
@@ -75,7 +76,10 @@ if [ "${1:-}" = -n ]; then
   shift 2
 fi
 
-[ "${1:-}" != snakemake ] || packages+=(snakemake)
+case ${1:-} in
+  snakemake) packages+=(snakemake) ;;
+  film | report | reproduce) packages+=(python3-vtk9 xvfb ffmpeg) ;;
+esac
 installed=$(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' "${packages[@]}" 2>/dev/null || true)$'\n'
 install_missing
 
@@ -100,6 +104,11 @@ case ${1:-} in
     shift 2
     DUCTILE=$build/drivers/ductile exec snakemake --snakefile "$top/drivers/campaign/Snakefile" \
       --directory "$campaign" --keep-going "$@"
+    ;;
+  reproduce)
+    make_target ductile
+    shift
+    exec /usr/bin/python3 "$top/drivers/python/reproduce.py" --program "$build/drivers/ductile" "$@"
     ;;
   run | pair | resume | compare | bench)
     make_target ductile

@@ -11,9 +11,11 @@
 #include "commands/campaign.hpp"
 #include "commands/check.hpp"
 #include "commands/compare.hpp"
+#include "commands/film.hpp"
 #include "commands/keys.hpp"
 #include "commands/pair.hpp"
 #include "commands/plot.hpp"
+#include "commands/report.hpp"
 #include "commands/resume.hpp"
 #include "commands/run.hpp"
 #include "output/say.hpp"
@@ -89,6 +91,8 @@ std::vector<std::unique_ptr<Command>> all_commands() {
   commands.push_back(std::make_unique<CompareCommand>());
   commands.push_back(std::make_unique<CampaignCommand>());
   commands.push_back(std::make_unique<PlotCommand>());
+  commands.push_back(std::make_unique<FilmCommand>());
+  commands.push_back(std::make_unique<ReportCommand>());
   commands.push_back(std::make_unique<CheckCommand>());
   commands.push_back(std::make_unique<BenchCommand>());
   commands.push_back(std::make_unique<KeysCommand>());

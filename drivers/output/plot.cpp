@@ -1,120 +1,25 @@
 #include "output/plot.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "output/process.hpp"
 #include "output/say.hpp"
+#include "output/script.hpp"
 
 namespace ductile::drivers {
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* interpreter = "/usr/bin/python3";
-// Of the script, and of the program.
-constexpr int exit_failed = 1;
-constexpr int exit_refused = 2;
-
-std::optional<fs::path> find_script() {
-  constexpr const char* name = "plot.py";
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& candidate :
-       {program.parent_path().parent_path() / "share" / "ductile" / "python" / name,
-        fs::path(DUCTILE_PYTHON_DIR) / name}) {
-    if (fs::exists(candidate, error)) return candidate;
-  }
-  return std::nullopt;
-}
-
-/// All that can be read from `descriptor` until its other end is closed.
-std::string read_all(int descriptor) {
-  std::string text;
-  std::array<char, 4096> buffer{};
-  for (;;) {
-    const ssize_t n = read(descriptor, buffer.data(), buffer.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(n));
-  }
-}
-
-/// Python's last line says what went wrong.
-std::string_view last_line(std::string_view text) {
-  const auto end = text.find_last_not_of('\n');
-  if (end == std::string_view::npos) return "the script failed without a word";
-  text = text.substr(0, end + 1);
-  return text.substr(text.rfind('\n') + 1);
-}
-
-/// How drawing has ended.
-struct Ended {
-  int code = exit_failed;
-  std::string complaint;  ///< where it has failed
-};
-
-/// Lets the script draw, with these arguments.
-Ended run_script(std::vector<std::string> words) {
-  const auto script = find_script();
-  if (!script) return {exit_failed, "plot.py not found"};
-  words.insert(words.begin(), {interpreter, script->string()});
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  std::vector<std::string> texts = environment_without_job();
-  std::vector<char*> environment;
-  environment.reserve(texts.size() + 1);
-  for (std::string& text : texts) environment.push_back(text.data());
-  environment.push_back(nullptr);
-
-  std::array<int, 2> messages{};
-  if (pipe2(messages.data(), O_CLOEXEC) != 0) return {exit_failed, std::strerror(errno)};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, messages[1], STDERR_FILENO);
-  // In a session of its own, so that what kills a job a second after it was told to end lets the
-  // picture be drawn.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
-  pid_t child = 0;
-  const int error =
-      posix_spawn(&child, interpreter, &actions, &attributes, arguments.data(), environment.data());
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  close(messages[1]);
-  const std::string said = error == 0 ? read_all(messages[0]) : std::string();
-  close(messages[0]);
-  if (error != 0) return {exit_failed, fmt::format("{}: {}", interpreter, std::strerror(error))};
-
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return {exit_failed, std::strerror(errno)};
-  }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {0, {}};
-  const bool refused = WIFEXITED(status) && WEXITSTATUS(status) == exit_refused;
-  return {refused ? exit_refused : exit_failed, std::string(last_line(said))};
-}
+constexpr std::string_view script = "plot.py";
 
 /// Draws at the end of a run, which says nothing unless it fails.
 bool draw_quietly(const fs::path& directory, std::string_view name, std::string_view format) {
-  const Ended ended =
-      run_script({"--quiet", "--format", std::string(format), "--", directory.string()});
+  const ScriptEnding ended = run_script(
+      script, {"--quiet", "--format", std::string(format), "--", directory.string()}, Session::own);
   if (ended.code == 0) return true;
   say(stderr, "warning: no {}.{}: {}\n", name, format, ended.complaint);
   return false;
@@ -129,7 +34,7 @@ int draw(const Picture& picture) {
   if (picture.map) words.emplace_back("--map");
   words.emplace_back("--");
   for (const fs::path& directory : picture.directories) words.push_back(directory.string());
-  const Ended ended = run_script(std::move(words));
+  const ScriptEnding ended = run_script(script, std::move(words), Session::own);
   if (ended.code != 0) say(stderr, "{}\n", ended.complaint);
   return ended.code;
 }

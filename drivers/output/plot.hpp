@@ -21,12 +21,10 @@ struct Picture {
   bool map = false;              ///< of a campaign: what came of each case
 };
 
-/// Draws it with the system's /usr/bin/python3, numpy and matplotlib, and prints where it is on
-/// stdout. Starts a process, which MPI does not like while it is up: call after MPI_Finalize unless
-/// there is no time for that. The process is in a session of its own, and goes on if this one is
-/// killed. The package is found beside the installed program (../share/ductile/python), else in the
-/// source directory. Gives the program's exit code, 2 where the directories are not what they
-/// should be, and says in one line on stderr what went wrong.
+/// Draws it by the script plot.py, with numpy and matplotlib, and prints where it is on stdout; it
+/// goes on if this program is killed. Starts a process: see run_script(). Gives the program's exit
+/// code, 2 where the directories are not what they should be, and says in one line on stderr what
+/// went wrong.
 int draw(const Picture& picture);
 
 /// Draws DIRECTORY/trajectory.FORMAT from trajectory.csv and, if there, summary.json, in the same

@@ -1,0 +1,140 @@
+"""A place to draw in: VTK's window, out of sight, on an X server of its own.
+
+Debian's VTK draws through GLX alone and so takes an X server, wherever its pictures go; without one
+it ends the process. So Xvfb is started here, whatever DISPLAY says: pictures are the same on every
+machine, processes that draw at the same time do not meet, and nothing appears on anybody's screen.
+The server ends with the process, however that ends.
+"""
+import atexit
+import contextlib
+import importlib.util
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+
+from .errors import DuctileError
+
+PATIENCE = 60  # seconds that the server may take to come up
+SAMPLES = 4  # of a pixel
+
+
+def missing_packages():
+    """Debian's packages that drawing takes and that are not here, as a list of names."""
+    missing = []
+    if importlib.util.find_spec("vtkmodules") is None:
+        missing.append("python3-vtk9")
+    if shutil.which("Xvfb") is None:
+        missing.append("xvfb")
+    return missing
+
+
+def require(packages):
+    """Raises DuctileError if any are missing: `packages`, as missing_packages() gives them."""
+    if packages:
+        names = " ".join(packages)
+        raise DuctileError(f"films and pictures of surfaces take Debian's packages {names}, not "
+                           f"installed here: apt-get install --no-install-recommends {names}")
+
+
+def _start_server():
+    """An X server as a process, and its display's name. Raises DuctileError."""
+    ready, tell = os.pipe()
+    with tempfile.TemporaryFile() as said:
+        try:
+            # It looks for a free number itself, and ends when its last client has gone.
+            server = subprocess.Popen(
+                ["Xvfb", "-displayfd", str(tell), "-screen", "0", "64x64x24", "-nolisten", "tcp",
+                 "-terminate"], pass_fds=[tell], stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
+        except OSError as error:
+            os.close(ready)
+            raise DuctileError(f"Xvfb: {error.strerror}") from None
+        finally:
+            os.close(tell)
+        number = b""
+        while not number.endswith(b"\n"):
+            if not select.select([ready], [], [], PATIENCE)[0]:
+                break
+            part = os.read(ready, 64)
+            if not part:
+                break
+            number += part
+        os.close(ready)
+        if number.endswith(b"\n"):
+            return server, f":{int(number)}"
+        server.kill()
+        server.wait()
+        said.seek(0)
+        lines = said.read().decode(errors="replace").strip().splitlines() or ["without a word"]
+        raise DuctileError(f"Xvfb does not start: {lines[-1].strip()}")
+
+
+@contextlib.contextmanager
+def _environment(name, value):
+    before = os.environ.get(name)
+    os.environ[name] = value
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = before
+
+
+class Window:
+    """A window out of sight, in which renderers are drawn one after the other. See window()."""
+
+    def __init__(self):
+        """Raises DuctileError where packages are missing or no X server comes up."""
+        require(missing_packages())
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+        from vtkmodules.vtkRenderingOpenGL2 import vtkXOpenGLRenderWindow
+        self._server, display = _start_server()
+        self._window = vtkXOpenGLRenderWindow()
+        self._window.SetOffScreenRendering(1)
+        self._window.SetMultiSamples(SAMPLES)
+        self._pixels = vtkUnsignedCharArray()
+        self._shown = None
+        with _environment("DISPLAY", display):
+            self._window.SetSize(64, 64)
+            self._window.Render()  # connects, once and for all
+        atexit.register(self._close)
+
+    def _close(self):
+        # In this order: a client whose server goes first is ended by it.
+        self._window.Finalize()
+        self._window = None
+        try:
+            self._server.wait(5)
+        except subprocess.TimeoutExpired:
+            self._server.kill()
+            self._server.wait()
+
+    def draw(self, renderer, size):
+        """What a vtkRenderer shows, as RGB of shape (height, width, 3), uint8. `size`: (width,
+        height) in pixels."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        width, height = size
+        self._window.SetSize(width, height)
+        if renderer is not self._shown:  # one that leaves takes its time to come again
+            if self._shown is not None:
+                self._window.RemoveRenderer(self._shown)
+            self._window.AddRenderer(renderer)
+            self._shown = renderer
+        self._window.Render()
+        self._window.GetPixelData(0, 0, width - 1, height - 1, 0, self._pixels, 0)
+        return vtk_to_numpy(self._pixels).reshape(height, width, 3)[::-1].copy()
+
+
+_window = None
+
+
+def window():
+    """The one window of the process, made when it is first asked for. Raises DuctileError."""
+    global _window
+    if _window is None:
+        _window = Window()
+    return _window
