@@ -1,0 +1,193 @@
+"""The paper's study by one command: computes it, then draws, judges and reports it.
+
+    reproduce.py --program FILE [--quick | --paper] [--method clean|paper] [-o DIR] [--no-films]
+                 [--ranks N] [--at-once N]
+
+The campaigns of drivers/scenarios/paper are run in one queue, the cases of one size: 24 to 34 nodes
+across the channel with --quick, 36 by default, 90 with --paper. Of the default study those pairs
+whose verdict is not the paper's are then computed on a finer lattice as well. All of it goes on
+where it was interrupted when the same command is given again. The exit code is that of `ductile
+campaign`, or that of the report.
+"""
+import argparse
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+from .. import files
+from ..errors import DuctileError
+from . import making, results
+from .study import METHODS, Study
+
+CAMPAIGNS = Path(__file__).resolve().parents[3] / "scenarios" / "paper"
+# Nodes across the channel, with the ends of the names of the cases that have them: of most
+# campaigns, and of those that have others. A biconcave cell that starts at x = 0.4 takes 34 nodes,
+# its rim being 0.12 W from the wall.
+_NEAR, _FAR = ("x_-0.2", "x_0", "x_0.2"), ("x_-0.4", "x_0.4")
+SIZES = {
+    "quick": {"": {24: ("",)}, "B1": {24: _NEAR, 34: _FAR}, "B2": {24: _NEAR, 34: _FAR},
+              "cells": {24: ("x_0.2",)}, "diagonal": {40: ("",)}},
+    "default": {"": {36: ("",)}, "diagonal": {60: ("",)}},
+    "paper": {"": {90: ("",)}, "M3": {75: ("",)}, "rigid": {75: ("",)}, "rectangular": {75: ("",)},
+              "diagonal": {120: ("",)}},
+}
+FINER = {"quick": None, "default": 48, "paper": None}
+_CODES_OF_A_RESULT = (0, 1)  # of `ductile campaign`: some cases may have failed
+
+
+class _Interrupted(Exception):
+    """A campaign has ended otherwise than by its own end."""
+    def __init__(self, code):
+        super().__init__(code)
+        self.code = code
+
+
+def campaign_files():
+    """The campaigns of the study. Raises DuctileError where they are not."""
+    found = sorted(CAMPAIGNS.glob("*.toml"))
+    if not found:
+        raise DuctileError(f"{CAMPAIGNS}: holds no campaign of the study")
+    return found
+
+
+def patterns(size, methods):
+    """What --only of `ductile campaign` is told, for a size and some methods."""
+    found = []
+    for file in campaign_files():
+        campaign = tomllib.loads(file.read_text(encoding="utf-8"))
+        known = campaign["axis"][0]["names"]
+        # Where a campaign has several scenarios, those come first in the names of its cases. Rigid
+        # bodies have one method, which goes by the name of the clean one.
+        before = "*_" if isinstance(campaign["scenario"], list) else ""
+        found += [f"{file.stem}/{before}{method}-{nodes}*{end}"
+                  for nodes, ends in SIZES[size].get(file.stem, SIZES[size][""]).items()
+                  for end in ends for method in methods if f"{method}-{nodes}" in known]
+    return found
+
+
+def _run(program, words):
+    """Runs the program; a signal goes on to it, and it ends as it does. Gives its exit code."""
+    child = subprocess.Popen([program, *words], start_new_session=True)
+    before = {number: signal.signal(number, lambda sent, _: child.send_signal(sent))
+              for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        return child.wait()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Reproduction:
+    def __init__(self, options):
+        self.program, self.size, self.with_films = options.program, options.size, options.films
+        self.methods = METHODS if options.method is None else (options.method,)
+        self.directory = options.output or Path("runs") / f"reproduce-{self.size}"
+        self.words = [word for name in ("ranks", "at_once") if getattr(options, name)
+                      for word in (f"--{name.replace('_', '-')}", getattr(options, name))]
+        self.begun = time.monotonic()
+        note = self.directory / "reproduce.json"
+        self.before = float(files.read_json(note).get("duration_s", 0)) if note.exists() else 0.0
+
+    def _note(self):
+        version = subprocess.run([self.program, "--version"], capture_output=True, text=True,
+                                 check=True).stdout.split()[1]
+        self.directory.mkdir(parents=True, exist_ok=True)
+        option = {"quick": " --quick", "default": "", "paper": " --paper"}[self.size]
+        results.write_json(self.directory / "reproduce.json", {
+            "version": version, "size": self.size,
+            "commands": ["./ductile.sh reproduce" + option],
+            "duration_s": round(self.before + time.monotonic() - self.begun, 1)})
+
+    def _campaign(self, only):
+        words = ["campaign", *map(str, campaign_files()), "-o", str(self.directory), *self.words]
+        code = _run(self.program, words + [f"--only={pattern}" for pattern in only])
+        self._note()
+        if code not in _CODES_OF_A_RESULT:
+            raise _Interrupted(code)
+        return code
+
+    def finer(self):
+        """Patterns of the pairs that are computed on a finer lattice."""
+        nodes = FINER[self.size]
+        if nodes is None:
+            return []
+        return [f"{case.campaign}/{case.name.replace(f'-{case.nodes}', f'-{nodes}', 1)}"
+                for case in results.finer_wanted(Study(self.directory), self.methods)]
+
+    def run(self):
+        """Computes and reports; gives the exit code."""
+        self._note()
+        code = self._campaign(patterns(self.size, self.methods))
+        more = self.finer()
+        if more:
+            _say(f"{len(more)} pairs are not as in the paper: they are computed at "
+                 f"{FINER[self.size]} nodes too")
+            code = max(code, self._campaign(more))
+        file = making.make(self.directory, with_films=self.with_films, say=_say)
+        self._note()
+        print(_summary(results.read(self.directory)))
+        print(f"report in {file}")
+        return code
+
+
+def _summary(found):
+    lines = [f"{'':4}" + "".join(f"{x_lag:>22g}" for x_lag in results.X_LAGS)]
+    for pair in results.PAIRS:
+        cells = []
+        for entry in (entry for entry in found["map"] if entry["pair"] == pair):
+            ours = [run["verdict"] if run else "-" for run in entry["ours"].values()]
+            mark = {"same": "", "differs": " *", "undecided": " ?", "missing": ""}
+            cells.append(" / ".join(dict.fromkeys(ours if pair != "M3" else ours[:1]))
+                         + mark[entry["outcome"]])
+        lines.append(f"{pair:4}" + "".join(f"{cell:>22}" for cell in cells))
+    for method, counts in found["counts"].items():
+        lines.append(f"{method}: {counts['same']} of 35 as in the paper, {counts['differs']} not, "
+                     f"{counts['undecided']} undecided, {counts['missing']} not computed")
+    return "\n".join(lines)
+
+
+def _say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(
+        prog="ductile.sh reproduce",
+        description="Computes the study of Patel & Stark, Soft Matter 17, 4804 (2021), and lays "
+                    "it beside the paper. The same command goes on after an interruption.")
+    parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
+    sizes = parser.add_mutually_exclusive_group()
+    sizes.add_argument("--quick", dest="size", action="store_const", const="quick",
+                       help="on lattices of 24 to 34 nodes")
+    sizes.add_argument("--paper", dest="size", action="store_const", const="paper",
+                       help="on the paper's lattices, of 90 and 75 nodes: for a large machine")
+    parser.add_argument("--method", choices=METHODS,
+                        help="one method alone: clean, this program's, or paper, without mobility")
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR",
+                        help="runs/reproduce-SIZE by default")
+    parser.add_argument("--no-films", dest="films", action="store_false",
+                        help="draw neither films nor shapes")
+    parser.add_argument("--ranks", metavar="N", help="of each run")
+    parser.add_argument("--at-once", metavar="N", help="runs side by side")
+    options = parser.parse_args(arguments)
+    options.size = options.size or "default"
+    try:
+        return _Reproduction(options).run()
+    except _Interrupted as interrupted:
+        _say("the same command goes on from here")
+        return interrupted.code if interrupted.code > 0 else 128 - interrupted.code
+    except DuctileError as error:
+        _say(error)
+        return 2
+    except OSError as error:
+        _say(f"{error.filename or 'reproduce'}: {error.strerror or error}")
+        return 1
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+
+
+if __name__ == "__main__":
+    sys.exit(main())
