@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 
 #include "output/checksum.hpp"
@@ -193,10 +193,10 @@ std::vector<double> Checkpoint::numbers(std::string_view name) const {
   const std::vector<std::byte> values = bytes(name, size);
   std::vector<double> numbers(values.size() / size);
   if (size == sizeof(double)) {
-    std::memcpy(numbers.data(), values.data(), values.size());
+    std::ranges::copy(values, std::as_writable_bytes(std::span(numbers)).begin());
   } else {
     std::vector<float> narrow(numbers.size());
-    std::memcpy(narrow.data(), values.data(), values.size());
+    std::ranges::copy(values, std::as_writable_bytes(std::span(narrow)).begin());
     std::ranges::copy(narrow, numbers.begin());
   }
   return numbers;

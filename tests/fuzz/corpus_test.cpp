@@ -26,6 +26,7 @@ std::string contents(const fs::path& file) {
 void feed(const fs::path& directory, void (*input)(std::string_view)) {
   std::size_t count = 0;
   for (const auto& entry : fs::directory_iterator(directory)) {
+    if (!entry.is_regular_file()) continue;
     SCOPED_TRACE(entry.path().string());
     EXPECT_NO_THROW(input(contents(entry.path())));
     ++count;
@@ -44,6 +45,7 @@ TEST(Corpus, OfCommandLinesIsReadOrRefused) {
 
 TEST(Corpus, OfCampaignsIsReadOrRefused) {
   feed(fs::path(DUCTILE_CORPUS) / "campaign", fuzz::campaign);
+  feed(fs::path(DUCTILE_SCENARIO_DIR) / "paper", fuzz::campaign);
 }
 
 TEST(Corpus, OfCheckpointsIsRefused) {
