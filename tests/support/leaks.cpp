@@ -14,8 +14,6 @@ const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identif
          "leak:libfabric.so\n"
          "leak:libucp.so\n"
          "leak:libucs.so\n"
-         "leak:libpetsc\n"
-         "leak:libhdf5\n"
          "leak:__vasprintf_internal\n";  // in Open MPI's asprintf; nothing of ours calls it
 }
 
