@@ -54,7 +54,8 @@ Change change_of(const CampaignDirectory& directory, const ReadCase& read, bool 
   } catch (const InputError& unreadable) {
     other = unreadable.what();
   }
-  if (force) return Change::anew;
+  const bool begun = directory.result(read.entry).state != CaseState::waiting;
+  if (force || !begun) return Change::anew;
   throw InputError(
       fmt::format("{}: {}: add --force to replace it, or choose another directory with -o",
                   run.string(), *other));
@@ -104,7 +105,8 @@ Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
     const std::string scenario = resolved_toml(cases[c].given->scenario);
     fs::remove(directory.failure(cases[c].entry.name), error);
     if (changes[c] == Change::anew) {
-      RunDirectory(run, force).write_scenario(scenario);
+      // What is there has been looked at: it is no run, or it is to go.
+      RunDirectory(run, force || fs::exists(run / "scenario.toml", error)).write_scenario(scenario);
       continue;
     }
     // Without its summary the case counts as one that has not ended.

@@ -102,6 +102,15 @@ def kill_all(directory):
             pass
 
 
+# A case alone. The limit of time on the clock is to let it end beside another, on this machine and
+# with this build of the program, and to end the one that has no end soon.
+alone = os.path.join(work, "alone")
+begun = time.monotonic()
+subprocess.run([program, "run", scenario, "--set", "run.checkpoint_every=0.002", "--set",
+                "channel.reynolds=5", "--set", "run.time_limit=0.4", "-o", alone], check=True,
+               env=environment, capture_output=True)
+walltime = max(10, 5 * (time.monotonic() - begun))
+
 # What an end looks like from outside: one case fails, since a file of its own is in the way, one
 # comes to the limit of time on the clock, one has a value out of bounds.
 endless = campaign_file("endless.toml", 1000)
@@ -111,7 +120,7 @@ expect(code == 0 and states(first) == {c: "waiting" for c, _, _ in CASES[:-1]} |
        code, said)
 in_the_way = os.path.join(first, "cases", "fails", "trajectory.csv")
 os.makedirs(os.path.join(in_the_way, "x"))
-code, said = run(first, "--max-walltime", "15s")
+code, said = run(first, "--max-walltime", f"{walltime:.0f}s")
 expect(code == 1, code, said)
 expect(states(first) == {"slow": "finished", "quick": "finished", "fails": "failed",
                          "long": "walltime", "refused": "refused"}, states(first), said)
@@ -120,10 +129,6 @@ expect("trajectory.csv" in failed["reason"], failed)
 expect(refused["reason"].startswith("endless.toml:") and "must be a number from 0 to 1000"
        in refused["reason"], refused)
 # The others are what they are alone.
-alone = os.path.join(work, "alone")
-subprocess.run([program, "run", scenario, "--set", "run.checkpoint_every=0.002", "--set",
-                "channel.reynolds=5", "--set", "run.time_limit=0.4", "-o", alone], check=True,
-               env=environment, capture_output=True)
 expect(filecmp.cmp(os.path.join(alone, "trajectory.csv"),
                    os.path.join(first, "cases", "slow", "trajectory.csv"), False), "slow")
 
@@ -178,6 +183,16 @@ code, said = run(finite, finite, "-o", both)
 expect(code == 2 and "both would have the directory" in said, code, said)
 code, said = run(finite, whole)
 expect(code == 2 and "either campaign files or directories" in said, code, said)
+
+# Of cases that wait there is nothing to lose: they become what the file has made of them.
+waiting = os.path.join(work, "waiting")
+code, said = run(finite, "-o", waiting, "--prepare")
+code, said = run(other, "-o", waiting, "--only", "quick")
+expect(code == 0, code, said)
+with open(os.path.join(waiting, "cases", "long", "scenario.toml"), encoding="ascii") as file:
+    expect("tau = 0.9" in file.read(), "an old scenario is still laid out")
+code, said = run(finite, "-o", waiting, "--only", "long")
+expect(code == 2 and "cases/quick: fluid.tau = 1.0 where the run has 0.9" in said, code, said)
 
 # Killed, all of it, at moments of no choice.
 killed = os.path.join(work, "killed")

@@ -55,7 +55,7 @@ class Results(Whole):
                     "m1-same-growth": "not confirmed", "fig7-lead": "confirmed",
                     "fig7-lag": "confirmed", "second-stable": "depends on the method",
                     "fig8-amplitude": "confirmed", "fig8-damping": "confirmed",
-                    "m3-grows": "confirmed", "m3-same-growth": "confirmed",
+                    "m3-grows": "not confirmed", "m3-same-growth": "confirmed",
                     "cell-place": "not confirmed", "cell-lifts": "confirmed",
                     "b1-lifts": "confirmed", "fig12": "confirmed", "b4-swings": "not confirmed",
                     "b4-centre": "not confirmed", "fig14": "confirmed", "fig15": "confirmed",

@@ -120,10 +120,13 @@ def _alt(case):
             f"{t[-1]:.3g} W^2/nu")
 
 
+def end(number, frame):
+    """Takes a signal so that nothing half made is left."""
+    raise SystemExit(128 + number)
+
+
 def main(arguments=None):
-    def end(number, frame):
-        raise SystemExit(128 + number)
-    signal.signal(signal.SIGTERM, end)  # so that nothing half made is left
+    signal.signal(signal.SIGTERM, end)
     parser = argparse.ArgumentParser(prog="report", description=__doc__.split("\n", 1)[0])
     parser.add_argument("directory", type=Path, metavar="DIRECTORY")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE")

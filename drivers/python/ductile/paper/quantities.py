@@ -54,10 +54,12 @@ class Stated:
 STATED = {
     "sphere-La10": Stated(0.0, "settles at the channel center", "3.1.1"),
     "sphere-La100": Stated(0.3, "the known equilibrium position at x = 0.3", "3.1.2"),
-    "rigid": Stated(0.4, "start close to their equilibrium positions, of x_lag = +-0.4", "3.1.2"),
-    "biconcave-La10": Stated(0.0, "very close to that of a spherical particle; does not fully "
-                                  "reach the channel center", "3.2.1"),
-    "biconcave-La100": Stated(0.3, "very close to that of a spherical particle", "3.2.1"),
+    "rigid": Stated(0.4, "inferred: x_lag = +-0.4 is \"close to their equilibrium positions\"",
+                    "3.1.2"),
+    "biconcave-La10": Stated(0.0, "inferred: very close to that of a sphere of the same rigidity; "
+                                  "does not fully reach the centre", "3.2.1"),
+    "biconcave-La100": Stated(0.3, "inferred: very close to that of a sphere of the same rigidity",
+                              "3.2.1"),
     "released": Stated(0.0, "a second type of stable position at x = 0", "3.1.2"),
     "released from": Stated(0.055, "from the momentary position at x = 0.055", "3.1.2"),
     "dz start": Stated(1.0, "the initial axial separation equal to 1", "2.3"),
@@ -317,6 +319,11 @@ def class_of(case, pair, x_lag):
     if not case.summary:
         return Class(None, "the run has not ended", paper, case.label)
     verdict = case.summary.get("verdict")
+    if case.summary.get("status") == "blew up":
+        why = str(case.summary.get("blow_up", {}).get("reason", "it became unstable"))
+        return Class("undecided", f"the run blew up: {why}", paper, case.label)
+    if not case.ended:
+        return Class("undecided", "the run has not ended", paper, case.label)
     if verdict is None:
         return Class(None, f"the run ended without a verdict: {case.summary.get('status')}", paper,
                      case.label)
@@ -610,7 +617,10 @@ def parting_time(case, distance=STATED["dz stop"].value):
         n = int(np.flatnonzero(dz >= distance)[0])
         step = float(t[n] - t[max(n - 1, 0)])
         return Quantity(Value(float(t[n]), step, step), how="reached", case=case.label)
-    line = fit_line(t, dz, start=t[-1] - 0.25 * (t[-1] - t[0]))
+    try:
+        line = fit_line(t, dz, start=t[-1] - 0.25 * (t[-1] - t[0]))
+    except DuctileError as error:
+        return _none(error, case.label)
     slope = line.slope
     if slope.value <= max(slope.error95, _PARTS):
         return _none(f"dz grows by {slope} per W^2/nu at the end: it does not part", case.label)
@@ -750,7 +760,7 @@ def out_of_plane(case, body=None):
     late = np.abs(y[t >= t[-1] - 0.2 * (t[-1] - t[0])])
     size, spread = float(np.sqrt(np.mean(late**2))), float(late.std())
     n = int(np.argmax(np.abs(y)))
-    step = float(np.abs(np.diff(y)).max())
+    step = float(np.abs(np.diff(y)).max(initial=0.0))
     return OutOfPlane(
         t, y,
         Quantity(Value(float(abs(y[n])), step, step), how=f"at t = {t[n]:.3g}", case=case.label),

@@ -10,6 +10,7 @@ where it was interrupted when the same command is given again. The exit code is 
 campaign`, or that of the report.
 """
 import argparse
+import shlex
 import signal
 import subprocess
 import sys
@@ -17,7 +18,6 @@ import time
 import tomllib
 from pathlib import Path
 
-from .. import files
 from ..errors import DuctileError
 from . import making, results
 from .study import METHODS, Study
@@ -59,21 +59,31 @@ def patterns(size, methods):
     for file in campaign_files():
         campaign = tomllib.loads(file.read_text(encoding="utf-8"))
         known = campaign["axis"][0]["names"]
+        own = methods if any(name.startswith("paper-") for name in known) else METHODS[:1]
         # Where a campaign has several scenarios, those come first in the names of its cases. Rigid
         # bodies have one method, which goes by the name of the clean one.
         before = "*_" if isinstance(campaign["scenario"], list) else ""
         found += [f"{file.stem}/{before}{method}-{nodes}*{end}"
                   for nodes, ends in SIZES[size].get(file.stem, SIZES[size][""]).items()
-                  for end in ends for method in methods if f"{method}-{nodes}" in known]
+                  for end in ends for method in own if f"{method}-{nodes}" in known]
     return found
 
 
 def _run(program, words):
-    """Runs the program; a signal goes on to it, and it ends as it does. Gives its exit code."""
-    child = subprocess.Popen([program, *words], start_new_session=True)
-    before = {number: signal.signal(number, lambda sent, _: child.send_signal(sent))
+    """Runs the program; what ends this one ends it, with checkpoints. Gives its exit code."""
+    told = []
+    child = None
+
+    def end(number, frame):
+        told.append(number)
+        if child is not None:
+            child.send_signal(signal.SIGTERM)
+    before = {number: signal.signal(number, end)
               for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     try:
+        child = subprocess.Popen([program, *words], start_new_session=True)
+        if told:  # while it was being started
+            child.send_signal(signal.SIGTERM)
         return child.wait()
     finally:
         for number, handler in before.items():
@@ -89,16 +99,23 @@ class _Reproduction:
                       for word in (f"--{name.replace('_', '-')}", getattr(options, name))]
         self.begun = time.monotonic()
         note = self.directory / "reproduce.json"
-        self.before = float(files.read_json(note).get("duration_s", 0)) if note.exists() else 0.0
+        known = results.settings_of(self.directory) if note.exists() else {}
+        if known.get("size", self.size) != self.size:
+            raise DuctileError(f"{self.directory}: holds the {known['size']} study: choose another "
+                               "directory with -o")
+        self.before = float(known.get("duration_s") or 0)
+        self.commands = known.get("commands", [])
+        command = shlex.join(["./ductile.sh", "reproduce", *options.given])
+        if command not in self.commands:
+            self.commands = [*self.commands, command]
 
     def _note(self):
         version = subprocess.run([self.program, "--version"], capture_output=True, text=True,
                                  check=True).stdout.split()[1]
         self.directory.mkdir(parents=True, exist_ok=True)
-        option = {"quick": " --quick", "default": "", "paper": " --paper"}[self.size]
         results.write_json(self.directory / "reproduce.json", {
             "version": version, "size": self.size,
-            "commands": ["./ductile.sh reproduce" + option],
+            "commands": self.commands,
             "duration_s": round(self.before + time.monotonic() - self.begun, 1)})
 
     def _campaign(self, only):
@@ -126,8 +143,10 @@ class _Reproduction:
             _say(f"{len(more)} pairs are not as in the paper: they are computed at "
                  f"{FINER[self.size]} nodes too")
             code = max(code, self._campaign(more))
-        file = making.make(self.directory, with_films=self.with_films, say=_say)
         self._note()
+        before = signal.signal(signal.SIGTERM, making.end)
+        file = making.make(self.directory, with_films=self.with_films, say=_say)
+        signal.signal(signal.SIGTERM, before)
         print(_summary(results.read(self.directory)))
         print(f"report in {file}")
         return code
@@ -174,14 +193,21 @@ def main(arguments=None):
     parser.add_argument("--at-once", metavar="N", help="runs side by side")
     options = parser.parse_args(arguments)
     options.size = options.size or "default"
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    at = given.index("--program") if "--program" in given else len(given)
+    options.given = given[:at] + given[at + 2:]
     try:
         return _Reproduction(options).run()
     except _Interrupted as interrupted:
-        _say("the same command goes on from here")
+        if interrupted.code != 2:  # which is wrong input
+            _say("the same command goes on from here")
         return interrupted.code if interrupted.code > 0 else 128 - interrupted.code
     except DuctileError as error:
         _say(error)
         return 2
+    except subprocess.CalledProcessError as error:
+        _say(f"{error.cmd[0]} --version: exit code {error.returncode}")
+        return 1
     except OSError as error:
         _say(f"{error.filename or 'reproduce'}: {error.strerror or error}")
         return 1

@@ -15,12 +15,13 @@ from ..runs import Run
 METHODS = ("clean", "paper")
 PAIRS = ("M1", "M2", "M3", "B1", "B2", "B3", "B4")
 X_LAGS = (-0.4, -0.2, 0.0, 0.2, 0.4)
+_LEAST = 14  # lines of a trajectory.csv that there is something to say of
 _HOW = re.compile(r"(clean|paper)-(\d+)(?:_|$)")
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case of the study that has been begun.
+    """A case of the study that has some rows.
 
     `method` is "clean", with the membrane's mobility, or "paper", without; `nodes` those across the
     channel. Rigid bodies know no mobility: theirs are all "clean", and stand for both.
@@ -104,7 +105,7 @@ class Study:
 def _has_samples(file):
     try:
         with file.open(encoding="utf-8") as lines:
-            return sum(1 for _ in zip(range(2), lines)) == 2
+            return sum(1 for _ in zip(range(_LEAST), lines)) == _LEAST
     except OSError:
         return False
 
