@@ -21,7 +21,8 @@ of report.html.j2, report.css and report.js beside this file.
                 the pair M3 by the paper's is taken from "clean"
     statements  of the paper, in words: `id`, `figure` ("fig7") or None, `source` ("section 3.1.2"),
                 what it `says`, `ours`, `outcome`: "confirmed", "not confirmed", "undecided",
-                "not computed", or "depends on the method"; the `evidence`, and the `cases` that it rests on, a list of labels
+                "not computed", or "depends on the method"; the `evidence`, and the `cases`
+                that it rests on, a list of labels
     numbers     of the paper: `id`, `figure` or None, `source`, `quantity`, `unit`, the `paper`'s
                 number or None and its `paper_text` ("close to 0.4"), `ours`, a list of dicts with
                 `method`, `nodes`, `value`, `error` or None, and `case`; `outcome` as of a

@@ -266,7 +266,8 @@ def _strains(run):
     parts = []
     for body, energy in known.items():
         settled = {True: ", settled", False: ", not settled"}.get(run["strain_settled"][body], "")
-        parts.append(f"{energy:.2g} k_s a^2 ({'leading' if body == 'lead' else 'lagging'}{settled})")
+        name = "leading" if body == "lead" else "lagging"
+        parts.append(f"{energy:.2g} k_s a^2 ({name}{settled})")
     return " The strain energies are " + " and ".join(parts) + "."
 
 
@@ -320,7 +321,8 @@ def _numbers(study):
             add(f"x-{kind}-{start:g}", "fig9" if kind.startswith("biconcave") else "fig5",
                 f"section {stated.section}", f"x_eq, {kind}, from {start:g}", "W",
                 {method: _absolute(quantities.equilibrium(quantities.single_case(
-                    study, kind, start, method))) for method in methods}, stated.value, stated.words, _TOLERANCE)
+                    study, kind, start, method))) for method in methods}, stated.value,
+                stated.words, _TOLERANCE)
     for pair in PAIRS:
         methods = METHODS if pair != "M3" else METHODS[:1]
         for x_lag in X_LAGS:

@@ -297,8 +297,8 @@ def _shapes(study, method):
     bullet = abs(asymmetry["sphere-La10"]) > max(0.1, 2 * abs(asymmetry["sphere-La100"]))
     return Finding(bullet and stiff < 0.05,
                    f"Taylor deformation at the end {soft:.3f} and {stiff:.3f} (to be below 0.05); "
-                   f"skewness along the flow of the surface's vertices {text} (that of the soft one is "
-                   "to be above 0.1).",
+                   f"skewness along the flow of the surface's vertices {text} (that of the soft one "
+                   "is to be above 0.1).",
                    tuple(case.label for case in cases.values()))
 
 
@@ -410,7 +410,8 @@ def _m2_push(study, method):
     case = _whole_pair(study, "M2", 0.2, method)
     bound, verdict, label = _verdict(study, "M2", 0.2, method)
     nearest = float(np.abs(case.run.series("lead_x")[1]).min())
-    return Finding(nearest < 0.1 and _agree({0.2: bound}, {0.2: False}, label), f"the leader comes to |x| = {nearest:.3f} W, which "
+    return Finding(nearest < 0.1 and _agree({0.2: bound}, {0.2: False}, label),
+                   f"the leader comes to |x| = {nearest:.3f} W, which "
                    f"is to be below 0.1; the pair is {verdict}.", (label,))
 
 
@@ -427,8 +428,8 @@ def _m2_leader(study, method):
 
 
 @statement("second-stable", "artefact", "section 3.1.2",
-           "Continued alone from x = 0.055, the leader of M2 migrates to the centre, a second stable "
-           "position, instead of going back to x = 0.3. (Ours is released there undeformed.)")
+           "Continued alone from x = 0.055, the leader of M2 migrates to the centre, a second "
+           "stable position, instead of going back to x = 0.3. (Ours is released there undeformed.)")
 def _second_stable(study, method):
     case = _only(study, "released", method)
     t, x = case.run.series("particle_x")
@@ -475,8 +476,8 @@ def _m2_damped(study, method):
              for x, case in ((x, quantities.damped_case(study, x, method)) for x in found)}
     return Finding(all(abs(end - 1) < VERY_NEAR for end in ends.values())
                    and min(turns.values()) >= 2,
-                   f"dz_eq by x_lag: {_numbers(ends)} W, to be within {VERY_NEAR:g} W of 1; dz turns "
-                   f"{_numbers(turns)} times, two at least.",
+                   f"dz_eq by x_lag: {_numbers(ends)} W, to be within {VERY_NEAR:g} W of 1; dz "
+                   f"turns {_numbers(turns)} times, two at least.",
                    tuple(own.case for own in found.values()))
 
 
@@ -529,8 +530,8 @@ def _m3_grows(study, method):
     settled = t[np.flatnonzero(np.abs(x - x[-1]) > 0.02)[-1]] if np.ptp(x) > 0.02 else t[0]
     later = float(np.ptp(dz[t >= settled]))
     return Finding(end > dz[0] + 0.1 and later < 0.1,
-                   f"dz grows from {dz[0]:.3g} to {end:.3g} W, and changes by {later:.3g} after the "
-                   f"leader is within 0.02 W of its place at t = {settled:.3g} (to be below 0.1).",
+                   f"dz grows from {dz[0]:.3g} to {end:.3g} W, and changes by {later:.3g} after "
+                   f"the leader is within 0.02 W of its place at t = {settled:.3g} (to be below 0.1).",
                    (case.label,))
 
 
@@ -544,7 +545,8 @@ def _m3_same_growth(study, method):
     halfway = {x: _at(case, "dz", end / 2) - _at(case, "dz", 0.0) for x, case in cases.items()}
     return Finding(_grown_alike(halfway) and _grown_alike(grown),
                    f"by t = {end / 2:.3g} it has grown by {_numbers(halfway)} W, by {end:.3g} by "
-                   f"{_numbers(grown)} W; they are to be the same within {ALIKE:.0%}.", tuple(case.label for case in cases.values()))
+                   f"{_numbers(grown)} W; they are to be the same within {ALIKE:.0%}.",
+                   tuple(case.label for case in cases.values()))
 
 
 # ------------------------------------------------------------------------------------------------
@@ -569,8 +571,8 @@ def _cell_place(study, method):
                    "the cell's x is " + ", ".join(
                        f"{places['biconcave', own]:.3f} W at {own} where the sphere's is "
                        f"{places['sphere', own]:.3f}" for own in apart) +
-                   f"; they are to be within {CENTRE:g} W. The soft cell's |x| is {late:.3f} W over "
-                   "the last fifth.", cases)
+                   f"; they are to be within {CENTRE:g} W. The soft cell's |x| is {late:.3f} W "
+                   "over the last fifth.", cases)
 
 
 @statement("cell-slower", "fig9", "section 3.2.1",
@@ -617,8 +619,8 @@ def _cell_period(study, method):
         raise DuctileError(f"{case.label}: {found.reason or 'fewer than three tumbles'}")
     first, last = found.durations[0].value, found.durations[-1].value
     return Finding(bool(last > 1.1 * first and abs(found.x[-1]) < abs(found.x[0])),
-                   f"the first tumble takes {first:.3g} W^2/nu at x = {found.x[0]:.3f}, the last of "
-                   f"{len(found.durations)} {last:.3g} at {found.x[-1]:.3f} W.", (case.label,))
+                   f"the first tumble takes {first:.3g} W^2/nu at x = {found.x[0]:.3f}, the last "
+                   f"of {len(found.durations)} {last:.3g} at {found.x[-1]:.3f} W.", (case.label,))
 
 
 @statement("cell-lifts", "fig9", "section 3.2.1, inset of Fig. 9",
@@ -807,8 +809,8 @@ def _b4_swings(study, method):
     turns = len(quantities.extrema(t, x, 0.01))
     change = float(np.abs(dz - dz[0]).max())
     return Finding(turns >= 3 and change < NEAR,
-                   f"x of the leader turns {turns} times by 0.01 W or more, and dz is never further "
-                   f"than {change:.3g} W from its start (to be below {NEAR:g}).", (case.label,))
+                   f"x of the leader turns {turns} times by 0.01 W or more, and dz is never "
+                   f"further than {change:.3g} W from its start (to be below {NEAR:g}).", (case.label,))
 
 
 # ------------------------------------------------------------------------------------------------
