@@ -165,6 +165,7 @@ int run_all(const std::vector<Chosen>& campaigns, const std::vector<Job>& jobs,
   const Signals signals;
   int signal = 0;
   std::vector<LaidOut> laid_out;
+  laid_out.reserve(campaigns.size());
   for (const Chosen& chosen : campaigns) laid_out.push_back(chosen.laid_out);
   if (!jobs.empty())
     signal = run_jobs(laid_out, jobs, options, speed, [&] { return signals.stop(); });

@@ -531,8 +531,8 @@ def _m3_grows(study, method):
     later = float(np.ptp(dz[t >= settled]))
     return Finding(end > dz[0] + 0.1 and later < 0.1,
                    f"dz grows from {dz[0]:.3g} to {end:.3g} W, and changes by {later:.3g} after "
-                   f"the leader is within 0.02 W of its place at t = {settled:.3g} (to be below 0.1).",
-                   (case.label,))
+                   f"the leader is within 0.02 W of its place at t = {settled:.3g} (to be below "
+                   "0.1).", (case.label,))
 
 
 @statement("m3-same-growth", "fig6", "section 3.1.2",
@@ -810,7 +810,8 @@ def _b4_swings(study, method):
     change = float(np.abs(dz - dz[0]).max())
     return Finding(turns >= 3 and change < NEAR,
                    f"x of the leader turns {turns} times by 0.01 W or more, and dz is never "
-                   f"further than {change:.3g} W from its start (to be below {NEAR:g}).", (case.label,))
+                   f"further than {change:.3g} W from its start (to be below {NEAR:g}).",
+                   (case.label,))
 
 
 # ------------------------------------------------------------------------------------------------
