@@ -98,6 +98,9 @@ Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
     changes.push_back(read.given ? change_of(directory, read, force) : Change::none);
     campaign.cases.push_back(read.entry);
   }
+  // First, so that the directory of a campaign that is killed while it is laid out is one already.
+  make_directory(directory.path());
+  if (!fs::exists(directory.index(), error)) directory.write(campaign);
   make_directory(directory.path() / "cases");
   for (std::size_t c = 0; c < cases.size(); ++c) {
     if (changes[c] == Change::none) continue;

@@ -53,9 +53,11 @@ void require_free(const fs::path& directory, bool force) {
     throw InputError(
         fmt::format("{}: is not a directory: choose another with -o", directory.string()));
   }
-  // What a run leaves that has died before it began is nothing to lose.
+  // What a run leaves that has died before it began is nothing to lose: a lock, a log, a file that
+  // it was writing.
   const auto counts = [](const fs::directory_entry& entry) {
-    return entry.path().filename() != lock_name && entry.path().filename() != log_name;
+    const std::string name = entry.path().filename().string();
+    return name != lock_name && name != log_name && !name.ends_with(unfinished);
   };
   const bool empty = std::none_of(fs::directory_iterator(directory, error), {}, counts);
   if (!force && !empty) {

@@ -293,6 +293,28 @@ TEST_F(CampaignFiles, AreLaidOutAgain) {
   EXPECT_FALSE(fs::exists(path_ / "out/cases/M1/trajectory.csv"));
 }
 
+// A layout that was killed half-way goes on: what shows first is the index. Cases that wait take
+// the scenario that the file has now.
+TEST_F(CampaignFiles, AreLaidOutToTheEnd) {
+  const CampaignDirectory directory(path_ / "out");
+  const auto lay = [&](const std::string& nodes) {
+    const Sweep sweep =
+        parse_sweep("scenario = [\"M1\", \"M2\"]\nset.channel.nodes = " + nodes + '\n', "c.toml");
+    return lay_out(directory, sweep, read_cases(sweep), "text", false);
+  };
+  write("out/cases", "in the way");
+  EXPECT_THROW(lay("30"), OutputError);
+  EXPECT_EQ(directory.read().cases.size(), 2U);
+  EXPECT_FALSE(fs::exists(directory.file()));
+  fs::remove(path_ / "out/cases");
+  lay("30");
+  fs::remove_all(path_ / "out/cases/M2");
+  lay("32");
+  for (const char* name : {"M1", "M2"}) {
+    EXPECT_EQ(load_case(directory.run(name) / "scenario.toml").scenario.channel.nodes, 32) << name;
+  }
+}
+
 // A watch that sees the rows in pieces judges as the judge that saw them all.
 TEST_F(CampaignFiles, RowsAreJudgedAsTheyCome) {
   PairJudge judge(10);

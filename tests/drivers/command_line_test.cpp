@@ -218,6 +218,11 @@ TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
   std::filesystem::remove_all(directory);
   EXPECT_EQ(refused(arguments), "");
   EXPECT_FALSE(std::filesystem::exists(directory));
+  // What a run leaves that was killed before it began is no run.
+  std::filesystem::create_directories(directory);
+  std::ofstream(directory / "scenario.toml.part") << "half of";
+  EXPECT_EQ(refused(arguments), "");
+  std::filesystem::remove_all(directory);
 }
 
 TEST(CommandLine, MistakesGetOneLine) {
