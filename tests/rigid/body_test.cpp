@@ -304,7 +304,7 @@ TEST_P(DensityRatio, FallsAlongWithAFluidThatFallsToo) {
   Vector3d x = Vector3d::Zero();
   for (int n = 1; n <= 100; ++n) {
     const Vector3d u = n * options.gravity;
-    const auto uniform = [&u](const Vector3d&) -> Vector3d { return u; };
+    const auto uniform = [&u](const Vector3d&) { return Vector3d(u); };
     const Impulse impulse = step(body, local_fluid(surface, uniform));
     x += u;
     EXPECT_LT((body.state().velocity - u).norm(), 100 * eps);
