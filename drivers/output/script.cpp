@@ -47,12 +47,17 @@ std::string read_all(int descriptor) {
   }
 }
 
-/// Python's last line says what went wrong.
+/// The last line says what went wrong. A line of nothing but colours is none: libraries that have
+/// written to a terminal in colour reset it at their end.
 std::string_view last_line(std::string_view text) {
-  const auto end = text.find_last_not_of('\n');
-  if (end == std::string_view::npos) return "the script failed without a word";
-  text = text.substr(0, end + 1);
-  return text.substr(text.rfind('\n') + 1);
+  while (!text.empty()) {
+    const auto begin = text.find_last_of('\n', text.size() - 1) + 1;  // 0 where there is none
+    const std::string_view line = text.substr(begin);
+    const bool blank = line.find_first_not_of(" \t\r") == std::string_view::npos;
+    if (!blank && line.front() != '\x1b') return line;
+    text = text.substr(0, begin == 0 ? 0 : begin - 1);
+  }
+  return "the script failed without a word";
 }
 
 }  // namespace

@@ -101,9 +101,11 @@ class Window:
         with _environment("DISPLAY", display):
             self._window.SetSize(64, 64)
             self._window.Render()  # connects, once and for all
-        atexit.register(self._close)
+        atexit.register(self.close)
 
-    def _close(self):
+    def close(self):
+        """Gives it up, and its server, once and for all."""
+        atexit.unregister(self.close)
         # In this order: a client whose server goes first is ended by it.
         self._window.Finalize()
         self._window = None
@@ -130,6 +132,15 @@ class Window:
 
 
 _window = None
+
+
+def close():
+    """Closes the window of the process, if there is one. Whoever prints a last word does it after
+    this: VTK may have one of its own, on stderr."""
+    global _window
+    if _window is not None:
+        _window.close()
+        _window = None
 
 
 def window():

@@ -249,9 +249,11 @@ def main(arguments=None):
                  colour=options.colour, fps=options.fps, size=_size(options.size),
                  start=options.start, end=options.end, speed=options.speed)
     except DuctileError as error:
+        display.close()
         print(error, file=sys.stderr)
         return 2
     except OSError as error:
+        display.close()
         print(f"{str(error.filename or 'the film').removesuffix('.part')}: "
               f"{error.strerror or error}", file=sys.stderr)
         return 1

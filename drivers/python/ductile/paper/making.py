@@ -136,9 +136,11 @@ def main(arguments=None):
         print(make(options.directory, options.output, not options.no_films,
                    lambda text: print(text, file=sys.stderr, flush=True)))
     except DuctileError as error:
+        display.close()
         print(error, file=sys.stderr)
         return 2
     except OSError as error:
+        display.close()
         print(f"{str(error.filename or 'the report').removesuffix('.part')}: "
               f"{error.strerror or error}", file=sys.stderr)
         return 1
