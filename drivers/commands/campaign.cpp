@@ -120,9 +120,7 @@ void print_table(const std::vector<Chosen>& campaigns) {
   for (std::size_t c = 0; c < campaigns.size(); ++c) {
     const auto& [laid_out, cases] = campaigns[c];
     for (const CampaignCase& given : cases) {
-      rows.emplace_back(
-          campaigns.size() == 1 ? given.name : laid_out.campaign.name + '/' + given.name,
-          laid_out.directory.result(given));
+      rows.emplace_back(called(campaigns, c, given.name), laid_out.directory.result(given));
       width = std::max(width, rows.back().first.size());
     }
   }
