@@ -276,6 +276,8 @@ class Numbers(Whole):
                                        ("stable", "bounded", True), ("unstable", "bounded", False),
                                        ("undecided", "stable", None), (None, "stable", None)):
             self.assertIs(quantities.Class(verdict, "", paper).agrees, agrees)
+        self.assertIs(quantities.Class("bounded", "", "stable", pair="B2").agrees, True)
+        self.assertIs(quantities.Class("bounded", "", "stable", pair="B3").agrees, False)
         by_the_paper = quantities.classes(self.study, "paper")
         self.assertEqual(by_the_paper["M3", 0.2], found["M3", 0.2])  # rigid: of both methods
 

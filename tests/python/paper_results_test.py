@@ -138,13 +138,16 @@ class Differences(unittest.TestCase):
         for pair, x_lag, verdict, expected in (
                 ("M1", -0.4, "damped", "same"), ("M1", 0.4, "bounded", "differs"),
                 ("B1", 0.0, "stable", "same"), ("B1", 0.2, "unstable", "differs"),
-                ("M2", 0.0, "stable", "differs"), ("B4", 0.2, "undecided", "undecided")):
+                ("M2", 0.0, "stable", "differs"), ("B4", 0.2, "undecided", "undecided"),
+                ("B2", -0.2, "bounded", "same"), ("B3", -0.2, "undecided", "undecided"),
+                ("B1", -0.4, "undecided", "same")):
             self.rewrite(pair, x_lag, "clean", verdict)
             run = results._entry(Study(self.directory), pair, x_lag)["ours"]["clean"]
             self.assertEqual(run["outcome"], expected, (pair, verdict))
         wanted = {case.label for case in results.finer_wanted(Study(self.directory))}
         self.assertEqual(wanted, {"M1/clean-24_lag-x_0.4", "B1/clean-24_lag-x_0.2",
-                                  "M2/clean-24_lag-x_0", "B4/clean-24_lag-x_0.2"})
+                                  "M2/clean-24_lag-x_0", "B3/clean-24_lag-x_-0.2",
+                                  "B4/clean-24_lag-x_0.2"})
         self.assertEqual(results.finer_wanted(Study(self.directory), ("paper",)), [])
 
     def test_statements_can_fail(self):

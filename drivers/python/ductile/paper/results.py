@@ -140,7 +140,7 @@ def _said(value):
 
 def accepts(pair, x_lag):
     """The verdicts of the program that count as the paper's class of a pair."""
-    return list(quantities.ACCEPTED[quantities.paper_class(pair, x_lag)])
+    return list(quantities.accepted(pair, quantities.paper_class(pair, x_lag)))
 
 
 def outcome_of(verdict, accepted):
