@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <utility>
 #include <vector>
 
-#include "output/say.hpp"
 #include "output/script.hpp"
 #include "run/exit_code.hpp"
 #include "run/root.hpp"
@@ -55,12 +53,7 @@ int FilmCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
     if (number) words.push_back(fmt::format("--{}={}", option, *number));
   }
   words.insert(words.end(), {"--", directory_});
-  afterwards.work = [words] {
-    // What ends this program from the terminal is to end that one too.
-    const ScriptEnding ended = run_script("film.py", words, Session::shared);
-    if (ended.code != 0) say(stderr, "{}\n", ended.complaint);
-    return ended.code;
-  };
+  afterwards.work = [words] { return carry_out("film.py", words); };
   return exit_success;
 }
 

@@ -1,9 +1,7 @@
 #include "commands/report.hpp"
 
-#include <cstdio>
 #include <vector>
 
-#include "output/say.hpp"
 #include "output/script.hpp"
 #include "run/exit_code.hpp"
 #include "run/root.hpp"
@@ -31,12 +29,7 @@ int ReportCommand::execute(MPI_Comm comm, Afterwards& afterwards) {
   if (!file_.empty()) words.push_back("--output=" + file_);
   if (without_films_) words.emplace_back("--no-films");
   words.insert(words.end(), {"--", directory_});
-  afterwards.work = [words] {
-    // What ends this program from the terminal is to end that one too.
-    const ScriptEnding ended = run_script("report.py", words, Session::shared);
-    if (ended.code != 0) say(stderr, "{}\n", ended.complaint);
-    return ended.code;
-  };
+  afterwards.work = [words] { return carry_out("report.py", words); };
   return exit_success;
 }
 

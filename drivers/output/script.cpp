@@ -8,11 +8,14 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "output/process.hpp"
+#include "output/say.hpp"
 
 namespace ductile::drivers {
 namespace fs = std::filesystem;
@@ -101,6 +104,12 @@ ScriptEnding run_script(std::string_view name, std::vector<std::string> words, S
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {0, {}};
   const bool refused = WIFEXITED(status) && WEXITSTATUS(status) == exit_refused;
   return {refused ? exit_refused : exit_failed, std::string(last_line(said))};
+}
+
+int carry_out(std::string_view name, std::vector<std::string> words) {
+  const ScriptEnding ended = run_script(name, std::move(words), Session::shared);
+  if (ended.code != 0) say(stderr, "{}\n", ended.complaint);
+  return ended.code;
 }
 
 }  // namespace ductile::drivers

@@ -28,4 +28,9 @@ enum class Session {
 /// for that.
 ScriptEnding run_script(std::string_view name, std::vector<std::string> words, Session session);
 
+/// A command whose whole work is a script's: runs it in the program's session, so that what ends
+/// the program from the terminal ends it too, says its complaint on stderr, and gives its exit
+/// code.
+int carry_out(std::string_view name, std::vector<std::string> words);
+
 }  // namespace ductile::drivers

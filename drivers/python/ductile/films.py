@@ -12,7 +12,6 @@ import contextlib
 import errno
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -20,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import display, files, rendering
+from . import display, ending, files, rendering
 from .errors import DuctileError
 from .runs import Run
 
@@ -240,26 +239,12 @@ def _options(arguments):
 
 
 def main(arguments=None):
-    def end(number, frame):
-        raise SystemExit(128 + number)
-    signal.signal(signal.SIGTERM, end)  # so that nothing half made is left
-    try:
+    def work():
         options = _options(arguments)
         make_all(options.directory, options.output, lambda file: print(file, flush=True),
                  colour=options.colour, fps=options.fps, size=_size(options.size),
                  start=options.start, end=options.end, speed=options.speed)
-    except DuctileError as error:
-        display.close()
-        print(error, file=sys.stderr)
-        return 2
-    except OSError as error:
-        display.close()
-        print(f"{str(error.filename or 'the film').removesuffix('.part')}: "
-              f"{error.strerror or error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
-    return 0
+    return ending.code_of(work, "the film")
 
 
 if __name__ == "__main__":

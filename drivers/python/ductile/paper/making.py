@@ -9,13 +9,12 @@ could not be written.
 """
 import argparse
 import os
-import signal
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from .. import display, films, pictures, rendering
+from .. import display, ending, films, pictures, rendering
 from ..errors import DuctileError
 from . import figures, report, results
 from .study import METHODS, PAIRS, Study
@@ -120,33 +119,16 @@ def _alt(case):
             f"{t[-1]:.3g} W^2/nu")
 
 
-def end(number, frame):
-    """Takes a signal so that nothing half made is left."""
-    raise SystemExit(128 + number)
-
-
 def main(arguments=None):
-    signal.signal(signal.SIGTERM, end)
     parser = argparse.ArgumentParser(prog="report", description=__doc__.split("\n", 1)[0])
     parser.add_argument("directory", type=Path, metavar="DIRECTORY")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE")
     parser.add_argument("--no-films", action="store_true", help="draw neither films nor shapes")
     options = parser.parse_args(arguments)
-    try:
-        print(make(options.directory, options.output, not options.no_films,
-                   lambda text: print(text, file=sys.stderr, flush=True)))
-    except DuctileError as error:
-        display.close()
-        print(error, file=sys.stderr)
-        return 2
-    except OSError as error:
-        display.close()
-        print(f"{str(error.filename or 'the report').removesuffix('.part')}: "
-              f"{error.strerror or error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
-    return 0
+    return ending.code_of(
+        lambda: print(make(options.directory, options.output, not options.no_films,
+                           lambda text: print(text, file=sys.stderr, flush=True))),
+        "the report")
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import time
 import tomllib
 from pathlib import Path
 
+from .. import ending
 from ..errors import DuctileError
 from . import making, results
 from .study import METHODS, Study
@@ -144,7 +145,7 @@ class _Reproduction:
                  f"{FINER[self.size]} nodes too")
             code = max(code, self._campaign(more))
         self._note()
-        before = signal.signal(signal.SIGTERM, making.end)
+        before = signal.signal(signal.SIGTERM, ending.exit_by)
         file = making.make(self.directory, with_films=self.with_films, say=_say)
         signal.signal(signal.SIGTERM, before)
         print(_summary(results.read(self.directory)))
