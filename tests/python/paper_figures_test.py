@@ -415,7 +415,7 @@ class Turning(Whole):
 
     def test_strain_that_grows_and_strain_that_rests(self):
         for method, rate in (("clean", 0.0), ("paper", GROWTH)):
-            case = quantities.only_case(self.study, "released", method)
+            case = quantities.released_case(self.study, method)
             found = quantities.strain_energy_history(case)["particle"]
             self.assertAlmostEqual(found.growth.value.value, rate, delta=1e-6)
             self.assertAlmostEqual(found.last.value.value,

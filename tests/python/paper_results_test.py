@@ -224,15 +224,16 @@ class Reproduction(unittest.TestCase):
                        and float(self.cases()[name]["body.lag.x"]) == x_lag]
                 self.assertEqual(len(own), 1 if pair == "M3" else 2, (size, pair, x_lag, own))
             for campaign, count in (("damped", 6), ("spheres", 8), ("rigid", 2),
-                                    ("cells", 4 if size == "quick" else 8), ("released", 2),
+                                    ("cells", 4 if size == "quick" else 8),
+                                    ("released", 4 if size == "default" else 2),
                                     ("diagonal", 2), ("rectangular", 1)):
                 own = [name for name in chosen if name.startswith(f"{campaign}/")]
                 self.assertEqual(len(own), count, (size, campaign, own))
-            self.assertEqual(len(chosen), 90 if size == "quick" else 94)
+            self.assertEqual(len(chosen), {"quick": 90, "default": 96, "paper": 94}[size])
 
     def test_one_method_alone(self):
         chosen = self.chosen("default", ("clean",))
-        self.assertEqual(len(chosen), 51)
+        self.assertEqual(len(chosen), 52)
         self.assertFalse(any("paper-" in name for name in chosen))
 
     def test_finer_cases_are_there(self):

@@ -1272,7 +1272,7 @@ _STRAINED = {
 def _strained(study):
     """{which: {method: case}}, of those that there are."""
     pick = {"single": lambda method: quantities.single_case(study, "sphere-La100", 0.2, method),
-            "released": lambda method: quantities.only_case(study, "released", method),
+            "released": lambda method: quantities.released_case(study, method),
             "cell": lambda method: quantities.single_case(study, "biconcave-La10", 0.2, method)}
     found = {which: {method: case for method in METHODS if (case := choose(method))}
              for which, choose in pick.items()}

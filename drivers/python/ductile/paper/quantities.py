@@ -276,8 +276,13 @@ def damped_case(study, x_lag, method, nodes=None):
 
 
 def only_case(study, campaign, method, nodes=None):
-    """The case of a campaign that has one: "released", "diagonal" or "rectangular"; or None."""
+    """The case of a campaign that has one: "diagonal" or "rectangular"; or None."""
     return Study.coarsest(study.cases(campaign, method, nodes))
+
+
+def released_case(study, method):
+    """The capsule that is released near to the centre, on the finest lattice; or None."""
+    return Study.finest([case for case in study.cases("released", method) if case.ended])
 
 
 def _missing(what):

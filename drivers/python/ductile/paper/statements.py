@@ -431,9 +431,11 @@ def _m2_leader(study, method):
            "Continued alone from x = 0.055, the leader of M2 migrates to the centre, a second "
            "stable position, instead of going back to x = 0.3. (Ours is released there undeformed.)")
 def _second_stable(study, method):
-    case = _only(study, "released", method)
-    t, x = case.run.series("particle_x")
-    said = (f"it goes from {x[0]:.3f} to {x[-1]:.3f} W by t = {t[-1]:.3g}."
+    case = quantities.released_case(study, method)
+    if case is None:
+        raise Missing("the capsule released near to the centre has not been computed")
+    t, x = _whole(case).run.series("particle_x")
+    said = (f"at {case.nodes} nodes it goes from {x[0]:.3f} to {x[-1]:.3f} W by t = {t[-1]:.3g}."
             + _strain(case, "particle"))
     if 0.5 * abs(x[0]) <= abs(x[-1]) <= abs(x[0]):
         raise DuctileError(said)

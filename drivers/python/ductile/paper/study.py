@@ -101,6 +101,11 @@ class Study:
         """The case on the coarsest lattice, which is the study's own; finer ones are evidence."""
         return min(cases, key=lambda case: case.nodes, default=None)
 
+    @staticmethod
+    def finest(cases):
+        """The case on the finest lattice."""
+        return max(cases, key=lambda case: case.nodes, default=None)
+
 
 def _has_samples(file):
     try:
