@@ -21,7 +21,7 @@ using fluid::mpi_check;
 
 class Coupler::Impl {
  public:
-  Impl(fluid::Fluid& fluid, std::vector<Member> members, int total);
+  Impl(fluid::Fluid& fluid, std::vector<Member> members, int total, double drift);
 
   void step();
   Stopwatch watch_;
@@ -32,6 +32,8 @@ class Coupler::Impl {
   void predict_forces();
   void correct_forces(Round round);
   void advance();
+  void place(Host& host, std::int64_t time) const;
+  void at_rest(std::span<double> velocity) const;
   void agree();
 
   std::optional<fluid::Box> reach_of(const Host& host);
@@ -44,6 +46,7 @@ class Coupler::Impl {
 
   fluid::Fluid& fluid_;
   fluid::Communicator comm_;
+  const double drift_;  // velocity of the lattice along z
   std::vector<Host> hosts_;
   std::vector<Entry> entries_;
   Markers markers_;
@@ -52,8 +55,11 @@ class Coupler::Impl {
   std::int64_t time_ = 0;  // at the start of the step
 };
 
-Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
-    : fluid_(fluid), comm_(fluid.comm()), markers_(fluid, comm_, hosts_, watch_) {
+Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total, double drift)
+    : fluid_(fluid), comm_(fluid.comm()), drift_(drift), markers_(fluid, comm_, hosts_, watch_) {
+  if (drift != 0 && fluid.options().boundary[2] != fluid::Boundary::periodic) {
+    throw std::invalid_argument("coupler: a lattice moves along z only where that is periodic");
+  }
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.id < b.id; });
   std::vector<int> owners(static_cast<std::size_t>(std::max(total, 0)) + 1, 0);
@@ -67,6 +73,7 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
     host.corrections = member.body->corrections();
     host.response = MarkerResponse(*fluid.options().instruction_set);
     const std::size_t size = 3 * member.body->marker_count();
+    host.position.resize(size);
     host.force.resize(size);
     host.velocity.resize(size);
     host.partial.resize(4 * size);
@@ -145,7 +152,7 @@ void Coupler::Impl::correct_forces(Round round) {
        public:
         explicit Lazy(Host& host) : host_(host) {}
         void apply(std::span<const double> force, std::span<double> velocity) const override {
-          if (!host_.located) host_.response.locate(host_.body->positions());
+          if (!host_.located) host_.response.locate(host_.position);
           host_.located = true;
           host_.response.apply(force, velocity);
         }
@@ -153,6 +160,7 @@ void Coupler::Impl::correct_forces(Round round) {
        private:
         Host& host_;
       };
+      at_rest(host.velocity);
       body.correct_force(host.velocity, Lazy(host), host.force);
     });
   }
@@ -162,7 +170,9 @@ void Coupler::Impl::correct_forces(Round round) {
 void Coupler::Impl::advance() {
   for (Host& host : hosts_) {
     guarded(host, [&](Body& body) {
+      at_rest(host.velocity);
       body.advance(host.velocity);
+      place(host, time_ + 1);
       const auto reach = reach_of(host);
       const fluid::Box& laid = entries_[static_cast<std::size_t>(host.id)].box;
       for (std::size_t axis = 0; axis < 3 && reach; ++axis) {
@@ -174,9 +184,22 @@ void Coupler::Impl::advance() {
   watch_.lap(Part::bodies);
 }
 
+// Where the host's markers are on the lattice at a time.
+void Coupler::Impl::place(Host& host, std::int64_t time) const {
+  const std::span<const double> x = host.body->positions();
+  std::copy(x.begin(), x.end(), host.position.begin());
+  const double way = drift_ * static_cast<double>(time);
+  for (std::size_t n = 2; n < x.size(); n += 3) host.position[n] -= way;
+}
+
+// Velocities on the lattice -> those in the frame at rest.
+void Coupler::Impl::at_rest(std::span<double> velocity) const {
+  for (std::size_t n = 2; n < velocity.size(); n += 3) velocity[n] += drift_;
+}
+
 // The nodes that the host's markers reach; nothing and a failure if one is not finite.
 std::optional<fluid::Box> Coupler::Impl::reach_of(const Host& host) {
-  const std::span<const double> x = host.body->positions();
+  const std::span<const double> x = host.position;
   std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
   std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
   for (std::size_t n = 0; n < x.size(); n += 3) {
@@ -199,7 +222,7 @@ std::optional<fluid::Box> Coupler::Impl::reach_of(const Host& host) {
 
 // The host's marker of lowest or highest coordinate.
 std::size_t extreme_marker(const Host& host, std::size_t axis, bool lowest) {
-  const std::span<const double> x = host.body->positions();
+  const std::span<const double> x = host.position;
   std::size_t found = 0;
   for (std::size_t m = 1; m < x.size() / 3; ++m) {
     const double here = x[3 * m + axis];
@@ -240,9 +263,8 @@ bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
     const bool too_low = reach[axis].begin < domain[axis].begin;
     if (!too_low && reach[axis].end <= domain[axis].end) continue;
     const std::size_t marker = extreme_marker(host, axis, too_low);
-    failures_.add(
-        host.id, BodyFailure::Cause::boundary, marker,
-        too_close(options, axis, too_low, marker, host.body->positions()[3 * marker + axis]));
+    failures_.add(host.id, BodyFailure::Cause::boundary, marker,
+                  too_close(options, axis, too_low, marker, host.position[3 * marker + axis]));
     return false;
   }
   return true;
@@ -252,7 +274,8 @@ bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
 void Coupler::Impl::lay_out() {
   constexpr std::size_t numbers = 9;
   std::vector<int> table(entries_.size() * numbers, INT_MIN);
-  for (const Host& host : hosts_) {
+  for (Host& host : hosts_) {
+    place(host, time_);
     fluid::Box box{};
     const auto reach = reach_of(host);
     if (reach && fits(host, *reach)) box = fluid_.box_around(*reach);
@@ -305,8 +328,8 @@ void Coupler::Impl::agree() {
   if (state == failed) failures_.raise(comm_, time_);
 }
 
-Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)
-    : impl_(std::make_unique<Impl>(fluid, std::move(bodies), total)) {}
+Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total, double drift)
+    : impl_(std::make_unique<Impl>(fluid, std::move(bodies), total, drift)) {}
 Coupler::~Coupler() = default;
 void Coupler::step() {
   impl_->step();

@@ -41,7 +41,7 @@ Markers::Guest& Markers::guest_of(const Route& route) {
 
 void Markers::send_positions() {
   for (Route& route : routes_) {
-    fluid_.reached(route.rank, hosts_[route.host].body->positions(), route.markers, route.whole);
+    fluid_.reached(route.rank, hosts_[route.host].position, route.markers, route.whole);
   }
   watch_.lap(Part::locating);
   to_guests(Round::everybody(), true);
@@ -76,7 +76,7 @@ void Markers::to_guests(Round round, bool with_positions) {
         to = std::copy_n(&values[3 * static_cast<std::size_t>(m)], 3, to);
       }
     };
-    if (with_positions) pack(host.body->positions());
+    if (with_positions) pack(host.position);
     pack(host.force);
     if (stays(route)) continue;
     mpi_check(MPI_Isend(buffer.data(), static_cast<int>(buffer.size()), MPI_DOUBLE, route.rank,

@@ -28,6 +28,7 @@ struct Host {
   int id = 0;
   Body* body = nullptr;
   int corrections = 0;
+  std::vector<double> position;  ///< of its markers, on the lattice
   std::vector<double> force;     ///< what it adds now
   std::vector<double> velocity;  ///< of its markers, with the force so far
   std::vector<double> partial;   ///< four terms of each component, a marker
