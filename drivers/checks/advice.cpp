@@ -35,11 +35,13 @@ constexpr double lead_of_waves(double tau, double magic) {
   return 2.0 / 3 * ((tau - 0.5) * (tau - 0.5) - (23 * magic + 1) / 35);
 }
 
-/// Of bgk nothing is said: `keys` bound its tau so that it carries waves well enough.
+/// Of bgk nothing is said: `keys` bound its tau so that it carries waves well enough; nor of a
+/// lattice that moves with the bodies, which carries what is about them nowhere.
 void warn_of_collision(const Plan& plan, std::vector<std::string>& list) {
   const double tau = plan.fluid.tau;
   const double magic = plan.fluid.magic;
-  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty()) return;
+  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty() || plan.drift != 0)
+    return;
   const auto radius_of = [](const suspension::BodyPlan& body) { return body.shape->radius(); };
   const auto smallest = std::ranges::min_element(plan.bodies, {}, radius_of);
   const double radius = radius_of(*smallest);

@@ -62,6 +62,10 @@ void add_channel(Lines& lines, const Case& given) {
                   plan.fluid.storage == fluid::Storage::double_precision ? "double" : "single"));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
+  if (plan.drift != 0) {
+    lines.add("", fmt::format("the lattice moves along z with {:.4g} nu/W",
+                              plan.units.velocity(plan.drift)));
+  }
   if (const auto& [low, high] = channel.wall_velocity; low != 0 || high != 0) {
     lines.add("", fmt::format("walls at x = -1 and 1 move at {} and {} nu/W, shear rate {:.6g} "
                               "nu/W^2",

@@ -63,9 +63,23 @@ struct FluidGrid {
   Eigen::Vector3d origin;
 };
 
+/// How far the lattice has moved along z at a time: by whole nodes, in the period, and by less than
+/// a spacing besides [W].
+struct Way {
+  Way(const FluidLattice& lattice, double time) {
+    const double spacings = lattice.drift * time / lattice.spacing;
+    const double whole = std::floor(spacings);
+    rest = (spacings - whole) * lattice.spacing;
+    const auto period = static_cast<double>(lattice.nodes[2]);
+    nodes = static_cast<std::size_t>(whole - period * std::floor(whole / period));
+  }
+  std::size_t nodes;
+  double rest;
+};
+
 /// Components with z fastest, of the lattice -> one array with x fastest, components interlaced,
 /// of the grid: the order of XDMF's and VTK's regular meshes. Of vectors the image has y reversed.
-std::vector<float> x_fastest(const FluidLattice& lattice,
+std::vector<float> x_fastest(const FluidLattice& lattice, const Way& way,
                              std::span<const std::span<const double>> components) {
   const FluidGrid grid(lattice);
   const auto [nx, ny, nz] = grid.nodes;
@@ -76,8 +90,8 @@ std::vector<float> x_fastest(const FluidLattice& lattice,
       const bool image = j < grid.below;
       const std::size_t row = image ? lattice.nodes[1] - 1 - j : j - grid.below;
       for (std::size_t i = 0; i < nx; ++i) {
-        const std::size_t node =
-            (i * lattice.nodes[1] + row) * lattice.nodes[2] + k % lattice.nodes[2];
+        const std::size_t node = (i * lattice.nodes[1] + row) * lattice.nodes[2] +
+                                 (k + lattice.nodes[2] - way.nodes) % lattice.nodes[2];
         for (std::size_t c = 0; c < components.size(); ++c) {
           const double sign = image && components.size() == 3 && c == 1 ? -1 : 1;
           values[target++] = static_cast<float>(sign * components[c][node]);
@@ -187,8 +201,8 @@ std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double ti
           "          <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
           "            {}\n            {}\n          </Geometry>\n",
           shape,
-          xdmf_values(3,
-                      fmt::format("{} {} {}", grid.origin.z(), grid.origin.y(), grid.origin.x())),
+          xdmf_values(3, fmt::format("{} {} {}", grid.origin.z() + Way(lattice, time).rest,
+                                     grid.origin.y(), grid.origin.x())),
           xdmf_values(3, fmt::format("{0} {0} {0}", lattice.spacing))) +
       xdmf_attribute(
           density_field, "Scalar",
@@ -323,7 +337,7 @@ void Surfaces::write(double time, std::span<const SurfaceState> bodies, const Fl
       write_body(frame, b, bodies[b]);
       written.bodies.push_back({!bodies[b].velocity.empty(), !bodies[b].force.empty()});
     }
-    if (fluid != nullptr) write_fluid(frame, *fluid);
+    if (fluid != nullptr) write_fluid(frame, time, *fluid);
   });
   written.checksum = checksum_of(out, 0);
   out.commit();
@@ -376,14 +390,17 @@ void Surfaces::write_body(hid_t frame, std::size_t body, const SurfaceState& sta
   write(force_field, state.force);
 }
 
-void Surfaces::write_fluid(hid_t frame, const FluidState& fluid) const {
+void Surfaces::write_fluid(hid_t frame, double time, const FluidState& fluid) const {
   Handle own = create_group(frame, fluid_name);
+  const Way way(*lattice_, time);
+  write_attribute(own, "z_offset", way.rest);
+  write_attribute(own, "z_offset_units", position_field.unit);
   const auto [nx, ny, nz] = FluidGrid(*lattice_).nodes;
   write_dataset(own, density_field.name, {nz, ny, nx}, hdf5::floats(),
-                x_fastest(*lattice_, std::array{std::span(fluid.density)}).data(),
+                x_fastest(*lattice_, way, std::array{std::span(fluid.density)}).data(),
                 density_field.unit);
   write_dataset(own, velocity_field.name, {nz, ny, nx, 3}, hdf5::floats(),
-                x_fastest(*lattice_, components(fluid.velocity)).data(), velocity_field.unit);
+                x_fastest(*lattice_, way, components(fluid.velocity)).data(), velocity_field.unit);
 }
 
 void Surfaces::check(double time, std::span<const SurfaceState> bodies,

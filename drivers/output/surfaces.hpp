@@ -35,9 +35,10 @@ struct Channel {
 /// The regular lattice that fluid fields come on.
 struct FluidLattice {
   std::array<std::size_t, 3> nodes = {0, 0, 0};      ///< along x, y, z
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of node (0, 0, 0) [W]
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of node (0, 0, 0) at t = 0 [W]
   double spacing = 1;                                ///< [W]
   fluid::Mirror mirror = fluid::Mirror::none;        ///< fields come for the upper half alone
+  double drift = 0;                                  ///< the lattice's velocity along z [nu/W]
 };
 
 /// A frame that has been written: what there is in it.
@@ -69,7 +70,9 @@ struct Frame {
 /// periodic channel: each is shown whole, moved back by its own z_offset, the multiple of L that
 /// brings its centre, the mean of its vertices, into the channel; position + z_offset is unwrapped.
 /// The fluid is shown whole too: below a mirror plane as the image of what is above it, and with
-/// the plane z = L/2, which repeats z = -L/2. Fields are stored in single precision.
+/// the plane z = L/2, which repeats z = -L/2. Where the lattice moves, the fluid's nodes lie
+/// further along z by its attribute z_offset, less than a spacing [W]. Fields are stored in single
+/// precision.
 ///
 /// Every file is written beside and put into its place, a frame before what names it: all can be
 /// read while the run goes on, and whatever it ends by, they hold all frames that were whole.
@@ -105,7 +108,7 @@ class Surfaces {
   void check(double time, std::span<const suspension::SurfaceState> bodies,
              const suspension::FluidState* fluid) const;
   void write_body(hid_t frame, std::size_t body, const suspension::SurfaceState& state) const;
-  void write_fluid(hid_t frame, const suspension::FluidState& fluid) const;
+  void write_fluid(hid_t frame, double time, const suspension::FluidState& fluid) const;
   void write_overview() const;
   void write_xdmf() const;
 

@@ -287,6 +287,7 @@ void Recorder::make_surfaces(std::vector<Frame> frames) {
     lattice.nodes[a] = static_cast<std::size_t>(plan.fluid.nodes[a]);
   lattice.origin = plan.units.position(Eigen::Vector3d::Zero());
   lattice.spacing = plan.units.length(1);
+  lattice.drift = plan.units.velocity(plan.drift);
   lattice.mirror = plan.fluid.mirror;
   surfaces_.emplace(
       directory_.path(), std::move(meshes),

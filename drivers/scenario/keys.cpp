@@ -250,6 +250,12 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
              "Of trt: (tau - 1/2)(tau_odd - 1/2); 3/16 puts half-way walls exactly half way, "
              "(tau - 1/2)^2 is bgk",
              "", " (above 1/4 bodies drift to wrong places)"),
+      choice<F, LatticeFrame>(
+          "frame", &F::frame, {{"walls", LatticeFrame::walls}, {"bodies", LatticeFrame::bodies}},
+          "What the lattice moves with along z: the walls, or the bodies, with the mean of "
+          "what the flow at the start would carry them with. Errors that grow with a body's "
+          "velocity on the lattice, in its lift above all, then all but vanish; "
+          "results are told in the walls' frame either way"),
       choice<F, fluid::Storage>("storage", &F::storage,
                                 {{"double", fluid::Storage::double_precision},
                                  {"single", fluid::Storage::single_precision}},

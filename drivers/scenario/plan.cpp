@@ -1,6 +1,7 @@
 #include "scenario/plan.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -48,6 +49,22 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const Units& units) {
   return plan;
 }
 
+// The mean over bodies of the mean velocity along z that the initial flow has on their surfaces,
+// which is near to what a body without force is carried with (Faxen).
+double velocity_of_bodies(const suspension::Plan& plan) {
+  constexpr int coarse = 4;
+  const suspension::InitialFlow flow(plan);
+  double sum = 0;
+  for (const suspension::BodyPlan& body : plan.bodies) {
+    surface::Mesh mesh = body.shape->mesh(std::min(body.frequency, coarse));
+    surface::place(mesh, body.rotation, body.centre);
+    double of_body = 0;
+    for (const Eigen::Vector3d& x : mesh.vertices) of_body += flow.at(x.x(), x.y()).velocity.z();
+    sum += of_body / static_cast<double>(mesh.vertices.size());
+  }
+  return plan.bodies.empty() ? 0 : sum / static_cast<double>(plan.bodies.size());
+}
+
 fluid::Options fluid_options(const ChannelOptions& channel, const FluidOptions& options) {
   const double W = suspension::half_width(channel.nodes, channel.walls);
   const bool on_nodes = channel.walls == fluid::Boundary::regularized && channel.side_walls;
@@ -89,6 +106,8 @@ Case planned(Scenario scenario) {
   }
   plan.gravity = units.lattice_acceleration(Eigen::Vector3d(channel.gravity.data()));
   for (const BodyOptions& body : scenario.bodies) plan.bodies.push_back(body_plan(body, units));
+
+  if (scenario.fluid.frame == LatticeFrame::bodies) plan.ride(velocity_of_bodies(plan));
 
   const OutputOptions& output = scenario.output;
   const Schedule schedule{

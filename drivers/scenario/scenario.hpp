@@ -17,6 +17,8 @@ namespace ductile::drivers {
 
 enum class Symmetry { none, y };
 enum class BodyKind { capsule, rigid };
+/// What the fluid's lattice moves with along z.
+enum class LatticeFrame { walls, bodies };
 
 /// [channel]: |x| < 1, |y| < half_width_y, periodic along z.
 struct ChannelOptions {
@@ -38,6 +40,7 @@ struct FluidOptions {
   double tau = 1;
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
+  LatticeFrame frame = LatticeFrame::walls;
   fluid::Storage storage = fluid::Storage::single_precision;  ///< doc/precision.md
   bool operator==(const FluidOptions&) const = default;
 };

@@ -430,6 +430,34 @@ TEST_F(SurfaceFiles, HoldTheImageBelowAMirrorPlane) {
   }
 }
 
+// A lattice that moves takes its nodes along, and the period brings them back: by whole nodes in
+// the order of the rows, by the rest of its way in z_offset and in the origin.
+TEST_F(SurfaceFiles, ShowAMovingLatticeWhereItIs) {
+  for (const double drift : {0.6, -0.6}) {
+    FluidLattice moving = lattice();
+    moving.drift = drift;
+    Surfaces surfaces(directory_, meshes(), long_channel(), moving);
+    write_frames(surfaces);
+    const Hdf5 file(directory_ / "run.h5");
+    const auto [nx, ny, nz] = nodes;
+    constexpr double time = 1;  // 4.8 spacings
+    const double rest = drift > 0 ? 0.8 : 0.2;
+    const std::size_t whole = drift > 0 ? 4 : nz * 2 - 5;
+    EXPECT_NEAR(file.number("/frames/000002/fluid", "z_offset"), rest * moving.spacing, 1e-12);
+    const auto density = file.doubles("/frames/000002/fluid/density");
+    for (std::size_t k = 0; k <= nz; ++k) {
+      for (std::size_t j = 0; j < ny; ++j) {
+        for (std::size_t i = 0; i < nx; ++i)
+          EXPECT_EQ(density[((k + whole) % nz * ny + j) * nx + i], value(i, j, k % nz, 0));
+      }
+    }
+    const double z = moving.origin.z() + rest * moving.spacing;
+    EXPECT_NE(read(directory_ / "run.xdmf").find(fmt::format(">{} -0.5 -1</DataItem>", z)),
+              std::string::npos)
+        << z << " at t = " << time;
+  }
+}
+
 // The fluid spans [-L/2, L/2): each body's centre is brought there, wherever the others are, and
 // position + z_offset is where it was.
 TEST_F(SurfaceFiles, ComeBackIntoTheChannelEachByItself) {

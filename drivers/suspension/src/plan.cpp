@@ -37,6 +37,15 @@ void Plan::drive(double reynolds) {
   fluid.force = {0, 0, alpha};
 }
 
+void Plan::ride(double velocity) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    fluid.wall_velocity[0][side].z() += drift - velocity;
+    if (side_walls() && (side == 1 || fluid.mirror == fluid::Mirror::none))
+      fluid.wall_velocity[1][side].z() += drift - velocity;
+  }
+  drift = velocity;
+}
+
 void Plan::check() const {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("plan: " + what); };
   if (units.viscosity() != lattice_viscosity(fluid.tau)) {
@@ -74,7 +83,9 @@ std::int64_t Plan::node_count() const {
 
 double Plan::mach() const {
   const auto [low, high] = wall_velocity();
-  return std::sqrt(3.0) * std::max({u_max, std::abs(low), std::abs(high)});
+  double fastest = 0;
+  for (const double u : {0.0, u_max, low, high}) fastest = std::max(fastest, std::abs(u - drift));
+  return std::sqrt(3.0) * fastest;
 }
 
 InitialFlow::InitialFlow(const Plan& plan)
@@ -109,7 +120,7 @@ fluid::NodeState InitialFlow::at(double x, double y) const {
 
 fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {
   fluid::Fluid fluid(comm, plan.fluid);
-  if (plan.start == Start::rest) return fluid;
+  if (plan.start == Start::rest && plan.drift == 0) return fluid;
   const InitialFlow flow(plan);
   // The same for a whole column of nodes, which initialise() visits one after the other.
   std::array<int, 2> column = {-1, -1};
@@ -118,6 +129,7 @@ fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {
     if (column == std::array<int, 2>{i, j}) return state;
     column = {i, j};
     state = flow.at(i, j);
+    state.velocity.z() -= plan.drift;
     return state;
   });
   return fluid;

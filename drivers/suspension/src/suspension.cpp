@@ -31,7 +31,7 @@ Suspension::Suspension(Plan plan, MPI_Comm comm)
   for (const Owned& owned : bodies_) {
     members.push_back({static_cast<int>(owned.index), &owned.body->markers()});
   }
-  coupler_.emplace(fluid_, std::move(members), static_cast<int>(plan_.bodies.size()));
+  coupler_.emplace(fluid_, std::move(members), static_cast<int>(plan_.bodies.size()), plan_.drift);
 }
 
 Suspension::~Suspension() = default;
@@ -81,7 +81,8 @@ Sample Suspension::sample() {
   if (rank() != 0) return all;
   all.time = time();
   const double halves = plan_.fluid.mirror == fluid::Mirror::none ? 1 : 2;
-  all.flow_rate = plan_.units.flow_rate(halves * flow);
+  const double cross_section = 4 * plan_.units.half_width() * plan_.half_width_y();
+  all.flow_rate = plan_.units.flow_rate(halves * flow + plan_.drift * cross_section);
   if (all.bodies.size() > 2) {
     std::vector<double> z;
     for (const BodySample& body : all.bodies) z.push_back(body.position().z());
@@ -141,7 +142,7 @@ FluidState Suspension::fields() {
   all.density = planes.gathered(density);
   for (std::size_t a = 0; a < 3; ++a) {
     for (const double u : planes.gathered(std::span(velocity).subspan(a * n, n)))
-      all.velocity.push_back(plan_.units.velocity(u));
+      all.velocity.push_back(plan_.units.velocity(a == 2 ? u + plan_.drift : u));
   }
   return all;
 }

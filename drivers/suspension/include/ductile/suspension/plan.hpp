@@ -77,6 +77,9 @@ struct Plan {
   Start start = Start::developed;
   /// Largest velocity of the empty channel; fluid.force drives it. See drive().
   double u_max = 0;
+  /// Velocity along z of the lattice, see ride(). All else in a plan but fluid.wall_velocity, and
+  /// all that a suspension tells but where the nodes of fields() are, is in the frame at rest.
+  double drift = 0;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< on the excess mass of rigid bodies
   std::vector<BodyPlan> bodies;
   Units units;
@@ -87,6 +90,11 @@ struct Plan {
   /// empty and developed: eq. (1), or plane Poiseuille flow where y is periodic. Needs fluid and
   /// units.
   void drive(double reynolds);
+  /// Lets the lattice move along z: drift <- velocity, and the walls' velocities on the lattice are
+  /// less by that. Truncation errors that grow with the velocity on the lattice then vanish where
+  /// the fluid moves as the lattice does (doc/equations.md, "Galilean invariance"). Needs fluid;
+  /// may be called again.
+  void ride(double velocity);
 
   /// Throws std::invalid_argument, naming the value, if the plan contradicts itself: units of
   /// another fluid, a developed flow where none is known, a body without a shape, or names that are
@@ -97,12 +105,12 @@ struct Plan {
   /// Half of the channel's width along y in lattice spacings, on both sides of a mirror plane.
   [[nodiscard]] double half_width_y() const;
   [[nodiscard]] double length() const { return fluid.nodes[2]; }
-  /// Velocities along z of the walls at x = -W and x = W.
+  /// Velocities along z of the walls at x = -W and x = W, in the frame at rest.
   [[nodiscard]] std::array<double, 2> wall_velocity() const {
-    return {fluid.wall_velocity[0][0].z(), fluid.wall_velocity[0][1].z()};
+    return {fluid.wall_velocity[0][0].z() + drift, fluid.wall_velocity[0][1].z() + drift};
   }
   [[nodiscard]] std::int64_t node_count() const;
-  /// Largest imposed velocity over the speed of sound 1/sqrt(3).
+  /// Largest imposed velocity on the lattice over the speed of sound 1/sqrt(3).
   [[nodiscard]] double mach() const;
 };
 
@@ -118,7 +126,7 @@ class InitialFlow {
  public:
   /// Of a plan that passes check(), without its bodies.
   explicit InitialFlow(const Plan& plan);
-  /// At (x, y) of the lattice, inside of the walls or on them.
+  /// At (x, y) of the lattice, inside of the walls or on them, in the frame at rest.
   [[nodiscard]] fluid::NodeState at(double x, double y) const;
 
  private:

@@ -37,7 +37,8 @@ struct SurfaceState {
   std::vector<double> force;     ///< on the fluid [rho nu^2]; empty of a rigid body
 };
 
-/// The whole fluid at one instant: node (i, j, k) at [(i ny + j) nz + k].
+/// The whole fluid at one instant: node (i, j, k) at [(i ny + j) nz + k], which is at z = k plus
+/// the lattice's way, Plan::drift times the number of steps. Velocities are in the frame at rest.
 struct FluidState {
   std::vector<double> density;   ///< [rho]
   std::vector<double> velocity;  ///< [nu/W]; three such arrays, one a component
@@ -90,8 +91,8 @@ class Suspension {
 
   /// Calls rank 0's `write` with a name and numbers for all that determines the future: of the
   /// fluid "fluid/time" and populations of the whole lattice (see fluid::Fluid::save), and of every
-  /// body "body/NAME/...". The same to the last bit on any number of ranks. Between steps only. What
-  /// `write` throws passes through there, the other ranks throw std::runtime_error.
+  /// body "body/NAME/...". The same to the last bit on any number of ranks. Between steps only.
+  /// What `write` throws passes through there, the other ranks throw std::runtime_error.
   void save(const StateWriter& write);
   /// Takes over what a suspension of the same plan has saved, on any number of ranks; what follows
   /// is the same to the last bit as there. Rank 0's `read` fills the numbers of a name. What it
