@@ -445,6 +445,16 @@ class Program(CommandLine):
 class Server(Directory):
     """The X server ends with the process, and asks for no display."""
 
+    def test_it_stays_while_clients_come_and_go_and_ends_with_the_last(self):
+        server, name, client = display._start_server()
+        self.addCleanup(server.kill)
+        for _ in range(3):
+            display._client(int(name[1:])).close()
+            with self.assertRaises(subprocess.TimeoutExpired):
+                server.wait(0.3)
+        client.close()
+        self.assertEqual(server.wait(10), 0)
+
     def drawing(self, then):
         write_run(self.work, [0], pair())
         text = ("import sys; sys.path.insert(0, sys.argv[1])\n"

@@ -7,10 +7,13 @@ The server ends with the process, however that ends.
 """
 import atexit
 import contextlib
+import errno
 import importlib.util
 import os
 import select
 import shutil
+import socket
+import struct
 import subprocess
 import tempfile
 
@@ -38,8 +41,33 @@ def require(packages):
                            f"installed here: apt-get install --no-install-recommends {names}")
 
 
+def _client(number):
+    """A connection to the X server of a display's number, as a socket. Raises OSError.
+
+    The server ends when its last client has gone, and VTK comes and goes before it stays: this one
+    stays as long as the process.
+    """
+    client = socket.socket(socket.AF_UNIX)
+    client.settimeout(PATIENCE)
+    try:
+        try:
+            client.connect(f"\0/tmp/.X11-unix/X{number}")
+        except OSError:
+            client.connect(f"/tmp/.X11-unix/X{number}")
+        # X11's connection setup: byte order, version 11.0, no authorization. The answer begins with
+        # 1 where the server takes the client.
+        client.sendall(struct.pack("<BxHHHHxx", ord("l"), 11, 0, 0, 0))
+        if client.recv(1) != b"\1":
+            raise OSError(errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED))
+    except OSError:
+        client.close()
+        raise
+    return client
+
+
 def _start_server():
-    """An X server as a process, and its display's name. Raises DuctileError."""
+    """An X server as a process, its display's name, and a client of it that stays. Raises
+    DuctileError."""
     ready, tell = os.pipe()
     with tempfile.TemporaryFile() as said:
         try:
@@ -63,7 +91,12 @@ def _start_server():
             number += part
         os.close(ready)
         if number.endswith(b"\n"):
-            return server, f":{int(number)}"
+            try:
+                return server, f":{int(number)}", _client(int(number))
+            except OSError as error:
+                server.kill()
+                server.wait()
+                raise DuctileError(f"Xvfb takes no client: {error.strerror or error}") from None
         server.kill()
         server.wait()
         said.seek(0)
@@ -92,7 +125,7 @@ class Window:
         require(missing_packages())
         from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
         from vtkmodules.vtkRenderingOpenGL2 import vtkXOpenGLRenderWindow
-        self._server, display = _start_server()
+        self._server, display, self._client = _start_server()
         self._window = vtkXOpenGLRenderWindow()
         self._window.SetOffScreenRendering(1)
         self._window.SetMultiSamples(SAMPLES)
@@ -109,6 +142,7 @@ class Window:
         # In this order: a client whose server goes first is ended by it.
         self._window.Finalize()
         self._window = None
+        self._client.close()
         try:
             self._server.wait(5)
         except subprocess.TimeoutExpired:
