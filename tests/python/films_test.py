@@ -391,7 +391,7 @@ class CommandLine(Directory):
         self.assertTrue((cases / "b/film.mp4").exists())
         (self.work / "study/campaign.csv").write_text("case,state\nbroken,\nb,\n")
         done = self.run_script("study", "--size", "160x80")
-        self.assertEqual((done.returncode, done.stdout), (2, "study/cases/b/film.mp4\n"))
+        self.assertEqual((done.returncode, done.stdout), (2, "study/cases/b/film.mp4\n"), done.stderr)
         self.assertIn("broken/frames/000001.h5: missing", done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1)
 
@@ -454,6 +454,17 @@ class Server(Directory):
                 server.wait(0.3)
         client.close()
         self.assertEqual(server.wait(10), 0)
+
+    def test_a_number_that_is_taken_is_left_to_its_server(self):
+        servers = []
+        with mock.patch.object(display, "NUMBERS", range(4711, 4714)):
+            for _ in range(3):
+                server, name, client = display._start_server()
+                self.addCleanup(server.wait)
+                self.addCleanup(client.close)
+                servers.append(name)
+            self.assertEqual(sorted(servers), [":4711", ":4712", ":4713"])
+            self.fails("Xvfb does not start: ", display._start_server)
 
     def drawing(self, then):
         write_run(self.work, [0], pair())

@@ -10,6 +10,7 @@ import contextlib
 import errno
 import importlib.util
 import os
+import random
 import select
 import shutil
 import socket
@@ -20,6 +21,8 @@ import tempfile
 from .errors import DuctileError
 
 PATIENCE = 60  # seconds that the server may take to come up
+NUMBERS = range(1000, 50000)  # of displays: above those that people use, below the ports' end
+TRIES = 3  # numbers drawn, where one is taken
 SAMPLES = 4  # of a pixel
 
 
@@ -65,43 +68,56 @@ def _client(number):
     return client
 
 
-def _start_server():
-    """An X server as a process, its display's name, and a client of it that stays. Raises
-    DuctileError."""
+def _try_server(number):
+    """An X server of a display's number, as a process. Gives it, or None where it did not come up,
+    and what it said. Raises DuctileError where there is no Xvfb."""
     ready, tell = os.pipe()
     with tempfile.TemporaryFile() as said:
         try:
-            # It looks for a free number itself, and ends when its last client has gone.
-            server = subprocess.Popen(
-                ["Xvfb", "-displayfd", str(tell), "-screen", "0", "64x64x24", "-nolisten", "tcp",
-                 "-terminate"], pass_fds=[tell], stdin=subprocess.DEVNULL,
+            server = subprocess.Popen(  # which ends when its last client has gone
+                ["Xvfb", f":{number}", "-displayfd", str(tell), "-screen", "0", "64x64x24",
+                 "-nolisten", "tcp", "-terminate"], pass_fds=[tell], stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
         except OSError as error:
             os.close(ready)
             raise DuctileError(f"Xvfb: {error.strerror}") from None
         finally:
             os.close(tell)
-        number = b""
-        while not number.endswith(b"\n"):
-            if not select.select([ready], [], [], PATIENCE)[0]:
-                break
-            part = os.read(ready, 64)
+        # It writes its number and a newline when it takes clients; whoever closes the pipe before the
+        # newline ends it. The pipe ends with it.
+        written = b""
+        while not written.endswith(b"\n"):
+            part = select.select([ready], [], [], PATIENCE)[0] and os.read(ready, 64)
             if not part:
                 break
-            number += part
+            written += part
         os.close(ready)
-        if number.endswith(b"\n"):
-            try:
-                return server, f":{int(number)}", _client(int(number))
-            except OSError as error:
-                server.kill()
-                server.wait()
-                raise DuctileError(f"Xvfb takes no client: {error.strerror or error}") from None
+        if written.endswith(b"\n"):
+            return server, ""
         server.kill()
         server.wait()
         said.seek(0)
-        lines = said.read().decode(errors="replace").strip().splitlines() or ["without a word"]
-        raise DuctileError(f"Xvfb does not start: {lines[-1].strip()}")
+        lines = said.read().decode(errors="replace").strip().splitlines()
+        return None, lines[-1].strip() if lines else "without a word"
+
+
+def _start_server():
+    """An X server as a process, its display's name, and a client of it that stays. Raises
+    DuctileError."""
+    # The number is drawn: Xvfb's own choice is the lowest one free, and so that of a server which
+    # is about to end, whose sockets it then shares.
+    for number in random.SystemRandom().sample(NUMBERS, TRIES):
+        server, said = _try_server(number)
+        if server is not None:
+            break
+    else:
+        raise DuctileError(f"Xvfb does not start: {said}")
+    try:
+        return server, f":{number}", _client(number)
+    except OSError as error:
+        server.kill()
+        server.wait()
+        raise DuctileError(f"Xvfb takes no client: {error.strerror or error}") from None
 
 
 @contextlib.contextmanager
