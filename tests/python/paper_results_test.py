@@ -237,7 +237,7 @@ class Reproduction(unittest.TestCase):
         self.assertFalse(any("paper-" in name for name in chosen))
 
     def test_finer_cases_are_there(self):
-        nodes = reproduce.FINER["default"]
+        nodes = reproduce.FINER
         for pair, x_lag in itertools.product(PAIRS, X_LAGS):
             for method in METHODS if pair != "M3" else METHODS[:1]:
                 self.assertIn(f"{pair}/{method}-{nodes}_lag-x_{x_lag:g}", self.cases())

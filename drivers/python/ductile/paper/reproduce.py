@@ -1,12 +1,12 @@
 """The paper's study by one command: computes it, then draws, judges and reports it.
 
     reproduce.py --program FILE [--quick | --paper] [--method clean|paper] [-o DIR] [--no-films]
-                 [--ranks N] [--at-once N]
+                 [--finer] [--ranks N] [--at-once N]
 
 The campaigns of drivers/scenarios/paper are run in one queue, the cases of one size: 24 to 34 nodes
-across the channel with --quick, 36 by default, 90 with --paper. Of the default study those pairs
-whose verdict is not the paper's are then computed on a finer lattice as well. All of it goes on
-where it was interrupted when the same command is given again. The exit code is that of `ductile
+across the channel with --quick, 36 by default, 90 with --paper. With --finer those pairs of the
+default study whose verdict is not the paper's are then computed at 48 nodes as well. All of it goes
+on where it was interrupted when the same command is given again. The exit code is that of `ductile
 campaign`, or that of the report.
 """
 import argparse
@@ -35,7 +35,7 @@ SIZES = {
     "paper": {"": {90: ("",)}, "M3": {75: ("",)}, "rigid": {75: ("",)}, "rectangular": {75: ("",)},
               "diagonal": {120: ("",)}},
 }
-FINER = {"quick": None, "default": 48, "paper": None}
+FINER = 48  # nodes across, with --finer
 _CODES_OF_A_RESULT = (0, 1)  # of `ductile campaign`: some cases may have failed
 
 
@@ -94,6 +94,7 @@ def _run(program, words):
 class _Reproduction:
     def __init__(self, options):
         self.program, self.size, self.with_films = options.program, options.size, options.films
+        self.with_finer = options.finer
         self.methods = METHODS if options.method is None else (options.method,)
         self.directory = options.output or Path("runs") / f"reproduce-{self.size}"
         self.words = [word for name in ("ranks", "at_once") if getattr(options, name)
@@ -129,20 +130,17 @@ class _Reproduction:
 
     def finer(self):
         """Patterns of the pairs that are computed on a finer lattice."""
-        nodes = FINER[self.size]
-        if nodes is None:
-            return []
-        return [f"{case.campaign}/{case.name.replace(f'-{case.nodes}', f'-{nodes}', 1)}"
+        return [f"{case.campaign}/{case.name.replace(f'-{case.nodes}', f'-{FINER}', 1)}"
                 for case in results.finer_wanted(Study(self.directory), self.methods)]
 
     def run(self):
         """Computes and reports; gives the exit code."""
         self._note()
         code = self._campaign(patterns(self.size, self.methods))
-        more = self.finer()
+        more = self.finer() if self.with_finer else []
         if more:
-            _say(f"{len(more)} pairs are not as in the paper: they are computed at "
-                 f"{FINER[self.size]} nodes too")
+            _say(f"{len(more)} pairs are not as in the paper: they are computed at {FINER} nodes "
+                 "too")
             code = max(code, self._campaign(more))
         self._note()
         before = signal.signal(signal.SIGTERM, ending.exit_by)
@@ -186,6 +184,8 @@ def main(arguments=None):
                        help="on the paper's lattices, of 90 and 75 nodes: for a large machine")
     parser.add_argument("--method", choices=METHODS,
                         help="one method alone: clean, this program's, or paper, without mobility")
+    parser.add_argument("--finer", action="store_true",
+                        help=f"the pairs whose verdict is not the paper's at {FINER} nodes too")
     parser.add_argument("-o", "--output", type=Path, metavar="DIR",
                         help="runs/reproduce-SIZE by default")
     parser.add_argument("--no-films", dest="films", action="store_false",
@@ -194,6 +194,8 @@ def main(arguments=None):
     parser.add_argument("--at-once", metavar="N", help="runs side by side")
     options = parser.parse_args(arguments)
     options.size = options.size or "default"
+    if options.finer and options.size != "default":
+        parser.error(f"--finer is for the default study alone, not --{options.size}")
     given = sys.argv[1:] if arguments is None else list(arguments)
     at = given.index("--program") if "--program" in given else len(given)
     options.given = given[:at] + given[at + 2:]
