@@ -8,7 +8,11 @@ exit code is 2 where the directory is not what it should be, or packages are mis
 could not be written.
 """
 import argparse
+import concurrent.futures
+import ctypes
+import multiprocessing
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -20,7 +24,7 @@ from . import figures, report, results
 from .study import METHODS, PAIRS, Study
 
 REPORT = "report.html"
-_FILM_SIZE, _FILM_PICTURES, _FILM_FPS = (640, 240), 150, 15
+_FILM_SIZE, _FILM_PICTURES, _FILM_FPS = (640, 240), 120, 15
 _STRIP = 6  # shapes of a body
 
 
@@ -38,12 +42,7 @@ def make(directory, file=None, with_films=True, say=lambda text: None):
     results.write(directory, found)
     say("drawing the figures")
     drawn = _figures(study, directory / "figures")
-    media = {}
-    cases = _shown(study)
-    for number, case in enumerate(cases, 1):
-        if number % 10 == 1:
-            say(f"films and shapes: run {number} of {len(cases)}")
-        media[case.label] = _media(case, with_films)
+    media = _all_media(_shown(study), with_films, say)
     return report.write(directory, found, drawn, media, Path(file or directory / REPORT))
 
 
@@ -66,6 +65,35 @@ def _shown(study):
                               for x_lag in results.X_LAGS
                               for method in (METHODS if pair != "M3" else METHODS[:1]))
             if case is not None]
+
+
+def _all_media(cases, with_films, say):
+    """{label: media of the case}, drawn by a process a core."""
+    media = {}
+    with concurrent.futures.ProcessPoolExecutor(
+            min(len(os.sched_getaffinity(0)), max(1, len(cases))),
+            multiprocessing.get_context("spawn"), _ends_with, (os.getpid(),)) as pool:
+        tasks = [pool.submit(_media, case, with_films) for case in cases]
+        try:
+            for number, (case, task) in enumerate(zip(cases, tasks), 1):
+                if number % 10 == 1:
+                    say(f"films and shapes: run {number} of {len(cases)}")
+                media[case.label] = task.result()
+        except concurrent.futures.BrokenExecutor:
+            raise DuctileError("a process that draws films and shapes was killed: there may be too "
+                               "little memory") from None
+        finally:
+            pool.shutdown(cancel_futures=True)
+    return media
+
+
+def _ends_with(parent):
+    """Has this process killed when its parent ends, which alone hears the keyboard."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    set_death_signal = 1  # PR_SET_PDEATHSIG
+    ctypes.CDLL(None).prctl(set_death_signal, signal.SIGKILL)
+    if os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _media(case, with_films):
