@@ -187,7 +187,8 @@ void legendre(double t, std::vector<double>& p, std::vector<double>& derivative)
 }
 
 surface::Mesh mesh_of(const StabilityProblem& problem) {
-  surface::Mesh mesh = surface::make_shape(problem.shape, problem.radius)->mesh(problem.frequency);
+  surface::Mesh mesh = surface::make_shape(problem.shape, problem.radius)
+                           ->mesh(problem.frequency, -problem.retraction);
   surface::place(mesh, problem.rotation, Vector3d::Zero());
   return mesh;
 }
@@ -243,10 +244,10 @@ double alternating(const StabilityProblem& problem, const membrane::Moduli& modu
 bool StabilityProblem::operator==(const StabilityProblem& o) const {
   const membrane::Moduli& k = moduli;
   const membrane::Moduli& l = o.moduli;
-  return shape == o.shape && radius == o.radius && frequency == o.frequency &&
-         rotation == o.rotation && k.law == l.law && k.k_s == l.k_s && k.k_a == l.k_a &&
-         k.k_b == l.k_b && k.k_v == l.k_v && mobility == o.mobility && tau == o.tau &&
-         collision == o.collision && magic == o.magic;
+  return shape == o.shape && radius == o.radius && retraction == o.retraction &&
+         frequency == o.frequency && rotation == o.rotation && k.law == l.law && k.k_s == l.k_s &&
+         k.k_a == l.k_a && k.k_b == l.k_b && k.k_v == l.k_v && mobility == o.mobility &&
+         tau == o.tau && collision == o.collision && magic == o.magic;
 }
 
 StabilityProblem stability_problem(const suspension::Plan& plan, std::size_t index) {
@@ -254,6 +255,7 @@ StabilityProblem stability_problem(const suspension::Plan& plan, std::size_t ind
   StabilityProblem problem;
   problem.shape = body.shape->name();
   problem.radius = body.shape->radius();
+  problem.retraction = body.retraction();
   problem.frequency = body.frequency;
   problem.rotation = body.rotation;
   problem.moduli = body.capsule()->moduli;

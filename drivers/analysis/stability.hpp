@@ -24,7 +24,8 @@ namespace ductile::drivers {
 struct StabilityProblem {
   std::string_view shape = "sphere";  ///< one of surface::shape_names()
   double radius = 0;
-  int frequency = 0;  ///< of the mesh
+  double retraction = 0;  ///< of the membrane behind the surface
+  int frequency = 0;      ///< of the mesh
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   membrane::Moduli moduli;
   double mobility = 0;  ///< in dx/eta

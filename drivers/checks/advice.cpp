@@ -89,7 +89,8 @@ void warn_of_body(const Plan& plan, std::size_t index, StabilityModels& models,
   }
   const suspension::CapsulePlan* capsule = body.capsule();
   if (capsule == nullptr) return;
-  const double edge = surface::icosphere_edge(body.shape->radius(), body.frequency);
+  const double edge =
+      surface::icosphere_edge(body.shape->radius() - body.retraction(), body.frequency);
   if (capsule->mobility == 0 && edge < 1) {
     list.push_back(
         fmt::format("{} has edges of {:.2f} lattice spacings and no mobility: strain "

@@ -219,6 +219,21 @@ void check_symmetry(const Plan& plan) {
   }
 }
 
+/// Whether each surface can be moved inwards so far.
+void check_retractions(const Plan& plan) {
+  constexpr int coarse = 4;
+  for (const suspension::BodyPlan& body : plan.bodies) {
+    try {
+      (void)body.shape->mesh(std::min(body.frequency, coarse), -body.retraction());
+    } catch (const std::invalid_argument& error) {
+      throw ScenarioError("body." + body.name + ".retraction",
+                          fmt::format("is too much for a body of this size, use less of it or more "
+                                      "channel.nodes: {}",
+                                      error.what()));
+    }
+  }
+}
+
 /// Whether each light body full of fluid is stable.
 void check_densities(const Plan& plan) {
   for (const suspension::BodyPlan& body : plan.bodies) {
@@ -246,6 +261,7 @@ void validate(const Case& given) {
   check_periodic_sides(given.plan);
   check_gaps(given.plan);
   check_symmetry(given.plan);
+  check_retractions(given.plan);
   check_densities(given.plan);
 }
 

@@ -19,9 +19,13 @@ suspension::CapsulePlan capsule_plan(const BodyOptions& body, double radius, con
   moduli.law = body.membrane.law;
   moduli.k_s = units.lattice_shear_modulus(body.laplace, radius);
   moduli.k_a = body.membrane.area_ratio * moduli.k_s;
-  moduli.k_b = body.membrane.bending * moduli.k_s * radius * radius;
+  // The rate at which a mode relaxes is k_s/(eta a), times k_b/(k_s a^2) where it is bending's:
+  // with the radius that the fluid feels for a, and the membrane's own in the latter.
+  const double inner = radius - body.membrane.retraction;
+  moduli.k_b = body.membrane.bending * moduli.k_s * inner * inner;
   moduli.k_v = units.lattice_pressure(body.membrane.volume_modulus);
   plan.mobility = body.membrane.mobility;
+  plan.retraction = body.membrane.retraction;
   plan.integrator = membrane::find_scheme(body.membrane.integrator);
   plan.integrator_options = {body.membrane.theta, body.membrane.substeps, body.membrane.step_cuts};
   return plan;

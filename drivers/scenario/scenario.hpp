@@ -52,6 +52,7 @@ struct MembraneOptions {
   double bending = 2.87e-3;
   double volume_modulus = 75000;
   double mobility = 1e-3;
+  double retraction = 0;
   std::string integrator = "explicit-euler";
   double theta = 0.5;
   int substeps = 1;

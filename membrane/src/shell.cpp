@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <map>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -254,7 +255,11 @@ void Shell::force(Vec positions, Vec force) const {
 
 Shape Shell::shape(Vec positions) const {
   const auto array = array_of<const double>(positions, vertex_count_);
-  const double* x = array.data();
+  return shape(std::span(array.data(), 3 * static_cast<std::size_t>(vertex_count_)));
+}
+
+Shape Shell::shape(std::span<const double> positions) const {
+  const double* x = positions.data();
   const Vector3d origin = point(x, 0);
   Shape shape;
   Vector3d first = Vector3d::Zero();   // integrals of x and x x^T, a tetrahedron from the

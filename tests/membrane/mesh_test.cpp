@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdio>
 #include <numbers>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "ductile/surface/biconcave.hpp"
 #include "membrane/surface_support.hpp"
@@ -154,6 +159,29 @@ TEST(Mesh, VertexAreasSumToTheArea) {
   double sum = 0;
   for (const double a : vertex_areas(mesh)) sum += a;
   EXPECT_NEAR(sum, area(mesh), 1e-13);
+}
+
+// Vertices' normals are those of the surface to the mesh's own error.
+TEST(Mesh, OffsetGoesAlongTheNormals) {
+  for (const std::string_view name : shape_names()) {
+    const auto shape = make_shape(name, 8);
+    double before = 0;
+    for (const int n : {8, 16, 32}) {
+      const Mesh inner = shape->mesh(n, -0.4);
+      const Mesh outer = shape->mesh(n);
+      std::vector<double> positions;
+      for (const Eigen::Vector3d& x : inner.vertices)
+        positions.insert(positions.end(), x.begin(), x.end());
+      EXPECT_EQ(offset(positions, inner.triangles, 0), positions);
+      const std::vector<double> moved = offset(positions, inner.triangles, 0.4);
+      double apart = 0;
+      for (std::size_t v = 0; v < outer.vertices.size(); ++v)
+        apart = std::max(apart, (Eigen::Vector3d::Map(&moved[3 * v]) - outer.vertices[v]).norm());
+      std::printf("%s, n = %d: %.4f\n", std::string(name).c_str(), n, apart);
+      EXPECT_LT(apart, n == 8 ? 0.1 : 0.6 * before) << name << ' ' << n;
+      before = apart;
+    }
+  }
 }
 
 TEST(Mesh, PlaceRotatesAndThenShifts) {

@@ -3,11 +3,14 @@
 #include <petscsys.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -151,11 +154,44 @@ TEST(Phase, StartsInFront) {
       const Eigen::Vector3d arm = seen.marker - seen.centroid;
       EXPECT_LT(std::abs(arm.y()), 0.7) << shape << ' ' << alpha;  // edges are 1.2
       double furthest = 0;
-      for (std::size_t n = 0; n < made->positions().size(); n += 3)
-        furthest = std::max(furthest, made->positions()[n + 2] - seen.centroid.z());
+      const std::vector<double> x = made->positions();
+      for (std::size_t n = 0; n < x.size(); n += 3)
+        furthest = std::max(furthest, x[n + 2] - seen.centroid.z());
       EXPECT_GT(arm.z(), furthest - 0.3) << shape << ' ' << alpha;
       EXPECT_NEAR(suspension::sample(seen)["phase"], std::atan2(arm.x(), arm.z()) / degree, 1e-9);
     }
+  }
+}
+
+// A membrane inside of its surface: what is told is the surface's, but for the membrane's energy
+// and the change of its volume.
+TEST(Retraction, LeavesTheSurfaceWhereItIs) {
+  Plan plan = channel({32, 32, 40});
+  for (const char* shape : {"sphere", "biconcave"}) {
+    std::array<BodySample, 2> seen;
+    std::array<std::vector<double>, 2> surface;
+    for (const std::size_t inside : {0, 1}) {
+      plan.bodies = {body(plan, "cell", shape, {0.1, 0.05, 0.02}, 0.5)};
+      plan.bodies[0].rotation = Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitY());
+      CapsulePlan kind = capsule(plan, membrane::find_scheme("explicit-euler"), 10);
+      kind.retraction = inside == 0 ? 0 : 0.4;
+      plan.bodies[0].kind = kind;
+      const std::unique_ptr<Body> made = make_body(plan, 0);
+      seen[inside] = suspension::sample(made->observe());
+      surface[inside] = made->positions();
+    }
+    double apart = 0;
+    for (std::size_t n = 0; n < surface[0].size(); ++n)
+      apart = std::max(apart, std::abs(surface[0][n] - surface[1][n]));
+    EXPECT_LT(apart, 0.05) << shape;  // lattice spacings
+    EXPECT_GT(apart, 0) << shape;
+    EXPECT_LT((seen[0].position() - seen[1].position()).norm(), 1e-12) << shape;
+    EXPECT_NEAR(seen[0]["deformation"], seen[1]["deformation"], 0.003) << shape;
+    if (std::string_view(shape) == "biconcave") {
+      EXPECT_NEAR(seen[0]["inclination"], seen[1]["inclination"], 0.01);
+    }
+    EXPECT_NEAR(seen[1]["volume_error"], 0, 1e-12) << shape;
+    EXPECT_NEAR(seen[1]["strain_energy"], 0, 1e-12) << shape;
   }
 }
 

@@ -12,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "ductile/fluid/duct.hpp"
@@ -55,15 +56,14 @@ Plan everything(fluid::Storage storage) {
 
 // Spheres, where gaps are known but for what a mesh lies within its sphere: e^2/(6 R), and once
 // more where another mesh is across.
-TEST(Gaps, AreThoseOfSpheresAndWalls) {
+void check_gaps(const std::variant<CapsulePlan, RigidPlan>& kind) {
   Plan plan = channel({24, 24, 48});
   const double a = plan.units.lattice_length(0.3);
   const double within = 1.2 * 1.2 / (6 * a);
-  constexpr double retraction = 0.4;
-  const auto add = [&plan](const std::string& name, const Eigen::Vector3d& lattice_shift) {
+  const auto add = [&](const std::string& name, const Eigen::Vector3d& lattice_shift) {
     BodyPlan sphere = body(plan, name, "sphere", {0, 0, 0});
     sphere.centre += lattice_shift;
-    sphere.kind = RigidPlan{1, 5, 0, retraction};
+    sphere.kind = kind;
     plan.bodies.push_back(std::move(sphere));
   };
   add("middle", {0, 0, 0});
@@ -89,6 +89,17 @@ TEST(Gaps, AreThoseOfSpheresAndWalls) {
     EXPECT_GE(gaps[n].distance, expected[n].distance - 1e-9) << n;
     EXPECT_LE(gaps[n].distance, expected[n].distance + 2 * within) << n;
   }
+}
+
+// Markers inside of the surface make no difference.
+TEST(Gaps, AreThoseOfRigidSpheresAndWalls) {
+  check_gaps(RigidPlan{1, 5, 0, 0.4});
+}
+TEST(Gaps, AreThoseOfCapsulesAndWalls) {
+  CapsulePlan kind;
+  kind.moduli.k_s = 0.01;
+  kind.retraction = 0.4;
+  check_gaps(kind);
 }
 
 TEST(Gaps, ABodyMayBeNearItsOwnImage) {

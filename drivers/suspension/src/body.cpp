@@ -54,7 +54,10 @@ class CapsuleBody final : public Body {
         marker_(foremost(capsule_->positions(), body.centre)) {}
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
-  [[nodiscard]] std::span<const double> positions() const override { return capsule_->positions(); }
+  [[nodiscard]] std::vector<double> positions() const override {
+    return surface::offset(capsule_->positions(), capsule_->shell().triangles(),
+                           plan_.retraction());
+  }
   [[nodiscard]] std::span<const double> velocities() const override {
     return capsule_->velocities();
   }
@@ -68,8 +71,8 @@ class CapsuleBody final : public Body {
                                    capsule_->state().positions.get()));
     const Eigen::Vector3d displacement = shape.centroid - shell.shape(before.get()).centroid;
     Observation seen{units_,           plan_,          shape.centroid, displacement, turning(shape),
-                     capsule_->slip(), capsule_.get(), shape};
-    seen.marker = Eigen::Vector3d::Map(&positions()[marker_]);
+                     capsule_->slip(), capsule_.get(), surface_shape()};
+    seen.marker = Eigen::Vector3d::Map(&capsule_->positions()[marker_]);
     return seen;
   }
   [[nodiscard]] membrane::SolveStatistics solver() const override { return capsule_->statistics(); }
@@ -79,7 +82,7 @@ class CapsuleBody final : public Body {
  private:
   static std::unique_ptr<membrane::Capsule> make(const Plan& plan, const BodyPlan& body) {
     const CapsulePlan& kind = *body.capsule();
-    const surface::Mesh reference = body.mesh();
+    const surface::Mesh reference = body.marker_mesh();
     surface::Mesh placed = reference;
     surface::place(placed, body.rotation, body.centre);
     membrane::CapsuleOptions options;
@@ -94,13 +97,19 @@ class CapsuleBody final : public Body {
                                                velocities);
   }
 
+  // Of the surface, of which the membrane lies inside.
+  [[nodiscard]] membrane::Shape surface_shape() const {
+    return plan_.retraction() == 0 ? capsule_->shape() : capsule_->shell().shape(positions());
+  }
+
   // Observation::angular_velocity.
   [[nodiscard]] Eigen::Vector3d turning(const membrane::Shape& shape) const {
     surface::Mesh now{{}, capsule_->shell().triangles()};
     std::vector<Eigen::Vector3d> arms;
     std::vector<Eigen::Vector3d> vertex_velocities;
-    for (std::size_t n = 0; n < positions().size(); n += 3) {
-      now.vertices.emplace_back(Eigen::Vector3d::Map(&positions()[n]));
+    const std::span<const double> x = capsule_->positions();
+    for (std::size_t n = 0; n < x.size(); n += 3) {
+      now.vertices.emplace_back(Eigen::Vector3d::Map(&x[n]));
       arms.emplace_back(now.vertices.back() - shape.centroid);
       vertex_velocities.emplace_back(Eigen::Vector3d::Map(&velocities()[n]));
     }
@@ -122,7 +131,7 @@ class RigidBody final : public Body {
         plan_(body),
         body_(make(plan, body)),
         markers_(body_),
-        surface_(3 * surface::vertex_count(body.frequency)) {
+        surface_(body.mesh().vertices) {
     const InitialFlow flow(plan);
     const std::span<const double> x = body_.positions();
     for (std::size_t n = 0; n < x.size(); n += 3)
@@ -130,11 +139,17 @@ class RigidBody final : public Body {
   }
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
-  [[nodiscard]] std::span<const double> positions() const override {
-    return body_.positions().first(surface_);
+  [[nodiscard]] std::vector<double> positions() const override {
+    const rigid::State& state = body_.state();
+    std::vector<double> x;
+    for (const Eigen::Vector3d& vertex : surface_) {
+      const Eigen::Vector3d at = state.position + state.orientation * vertex;
+      x.insert(x.end(), at.begin(), at.end());
+    }
+    return x;
   }
   [[nodiscard]] std::span<const double> velocities() const override {
-    return std::as_const(markers_).velocity().first(surface_);
+    return std::as_const(markers_).velocity().first(3 * surface_.size());
   }
   [[nodiscard]] std::span<const double> forces() const override { return {}; }
   [[nodiscard]] Observation observe() const override {
@@ -188,14 +203,15 @@ class RigidBody final : public Body {
     const RigidPlan& kind = *body.rigid();
     return kind.interior == Interior::solid
                ? rigid::lined(*body.shape, body.frequency, kind.retraction)
-               : rigid::markers_of(body.shape->mesh(body.frequency, -kind.retraction));
+               : rigid::markers_of(body.marker_mesh());
   }
 
   const Units& units_;
   const BodyPlan& plan_;
   rigid::Body body_;
   RigidMarkers markers_;
-  std::size_t surface_;  // numbers of the mesh's vertices, which come before any inside the body
+  // In the body's frame; the markers of its vertices come before any inside the body.
+  std::vector<Eigen::Vector3d> surface_;
 };
 
 }  // namespace

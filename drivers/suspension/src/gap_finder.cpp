@@ -11,12 +11,11 @@ namespace ductile::suspension {
 
 using Eigen::Vector3d;
 
-/// A body's surface, and how far outside of its vertices it lies.
+/// A body's surface.
 struct GapFinder::Surface {
   std::size_t body;
   surface::SurfaceView view;
   surface::Bounds box;
-  double offset;
 };
 
 // The numbering of an icosphere depends on its frequency alone, and shapes only move its vertices.
@@ -33,11 +32,7 @@ std::vector<Gap> GapFinder::below(double reach,
                                   const std::vector<std::vector<double>>& positions) const {
   std::vector<Surface> surfaces;
   for (std::size_t b = 0; b < positions.size(); ++b) {
-    const RigidPlan* rigid = plan_.bodies[b].rigid();
-    surfaces.push_back({b,
-                        {positions[b], *triangles_[b]},
-                        surface::bounds(positions[b]),
-                        rigid == nullptr ? 0 : rigid->retraction});
+    surfaces.push_back({b, {positions[b], *triangles_[b]}, surface::bounds(positions[b])});
   }
   std::vector<Gap> gaps;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
@@ -55,7 +50,7 @@ void GapFinder::add_walls(const Surface& body, double reach, std::vector<Gap>& g
     const double middle = plan_.units.origin()[a];
     for (const int side : {-1, 1}) {
       const double outermost = side < 0 ? middle - body.box.low[a] : body.box.high[a] - middle;
-      const double distance = half_widths[axis] - outermost - body.offset;
+      const double distance = half_widths[axis] - outermost;
       if (distance < reach) gaps.push_back({Gap::To::wall, body.body, axis, distance, side});
     }
   }
@@ -64,7 +59,6 @@ void GapFinder::add_walls(const Surface& body, double reach, std::vector<Gap>& g
 void GapFinder::add_bodies(const Surface& a, const Surface& b, double reach,
                            std::vector<Gap>& gaps) const {
   const bool same = a.body == b.body;
-  const double offset = a.offset + b.offset;
   const std::array<double, 3> period{0, plan_.side_walls() ? 0.0 : plan_.fluid.nodes[1],
                                      static_cast<double>(plan_.fluid.nodes[2])};
   // Images that may be near are those that bring the middles of the boxes together.
@@ -81,14 +75,13 @@ void GapFinder::add_bodies(const Surface& a, const Surface& b, double reach,
       if (same && y == 0 && z == 0) continue;
       const Vector3d shift(0, y, z);
       // Most are far apart, and their vertices need not be looked at.
-      const bool near = (b.box.low + shift - a.box.high).maxCoeff() < reach + offset &&
-                        (a.box.low - b.box.high - shift).maxCoeff() < reach + offset;
-      if (near)
-        nearest = std::min(nearest, surface::distance(a.view, b.view, shift, reach + offset));
+      const bool near = (b.box.low + shift - a.box.high).maxCoeff() < reach &&
+                        (a.box.low - b.box.high - shift).maxCoeff() < reach;
+      if (near) nearest = std::min(nearest, surface::distance(a.view, b.view, shift, reach));
     }
   }
-  if (nearest - offset >= reach) return;
-  gaps.push_back({same ? Gap::To::image : Gap::To::body, a.body, b.body, nearest - offset, 0});
+  if (nearest >= reach) return;
+  gaps.push_back({same ? Gap::To::image : Gap::To::body, a.body, b.body, nearest, 0});
 }
 
 }  // namespace ductile::suspension

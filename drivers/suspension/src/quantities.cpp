@@ -72,9 +72,7 @@ const std::array table = {
              [](const Observation& o) { return o.moments.taylor_deformation(); }},
     // (V - V0)/V0.
     Quantity{"volume_error", "1", capsules,
-             [](const Observation& o) {
-               return o.moments.volume / o.capsule->shell().reference_volume() - 1;
-             }},
+             [](const Observation& o) { return o.capsule->volume_error(); }},
     // Without stiffness there is neither strain energy nor a unit for it.
     Quantity{"strain_energy", "k_s*a^2", capsules,
              [](const Observation& o) {

@@ -117,7 +117,8 @@ std::vector<SurfaceState> Suspension::surfaces() const {
   for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
     const Body* mine = own(b);
     const auto get = [&](auto member) {
-      return gather.from(owner(b), mine != nullptr ? (mine->*member)() : std::span<const double>());
+      using Values = decltype((mine->*member)());
+      return gather.from(owner(b), mine != nullptr ? (mine->*member)() : Values());
     };
     SurfaceState surface{get(&Body::positions), get(&Body::velocities), get(&Body::forces)};
     if (rank() != 0) continue;
@@ -153,7 +154,7 @@ std::vector<Gap> Suspension::gaps(double reach) {
   for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
     const Body* mine = own(b);
     std::vector<double> of_body =
-        gather.from(owner(b), mine != nullptr ? mine->positions() : std::span<const double>());
+        gather.from(owner(b), mine != nullptr ? mine->positions() : std::vector<double>());
     if (rank() == 0) positions.push_back(std::move(of_body));
   }
   if (rank() != 0) return {};

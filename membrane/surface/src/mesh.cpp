@@ -188,6 +188,23 @@ std::vector<double> vertex_areas(const Mesh& mesh) {
   return areas;
 }
 
+std::vector<double> offset(std::span<const double> positions,
+                           std::span<const std::array<int, 3>> triangles, double distance) {
+  std::vector<double> moved(positions.begin(), positions.end());
+  if (distance == 0) return moved;
+  const auto vertex = [&](int v) {
+    return Vector3d::Map(&positions[3 * static_cast<std::size_t>(v)]);
+  };
+  std::vector<Vector3d> normals(positions.size() / 3, Vector3d::Zero());
+  for (const auto& [a, b, c] : triangles) {
+    const Vector3d normal = (vertex(b) - vertex(a)).cross(vertex(c) - vertex(a));
+    for (const int v : {a, b, c}) normals[static_cast<std::size_t>(v)] += normal;
+  }
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    Vector3d::Map(&moved[3 * v]) += distance * normals[v].normalized();
+  return moved;
+}
+
 void place(Mesh& mesh, const Eigen::Matrix3d& rotation, const Vector3d& centre) {
   for (Vector3d& x : mesh.vertices) x = rotation * x + centre;
 }

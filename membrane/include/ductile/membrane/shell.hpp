@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "ductile/membrane/petsc.hpp"
@@ -103,6 +104,7 @@ class Shell {
 
   /// Only the area means anything for an open sheet.
   [[nodiscard]] Shape shape(Vec positions) const;
+  [[nodiscard]] Shape shape(std::span<const double> positions) const;
 
  private:
   // Reference state of a triangle with edges E1, E2 from its first vertex: the inverse a of the

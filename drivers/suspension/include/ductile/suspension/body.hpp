@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "ductile/coupling/body.hpp"
 #include "ductile/membrane/integrator.hpp"
@@ -14,8 +15,8 @@ namespace ductile::suspension {
 using membrane::StateReader;
 using membrane::StateWriter;
 
-/// A body in the fluid, on the rank that owns it; lattice units. Spans hold 3 numbers a vertex of
-/// BodyPlan::mesh() and are valid until the next step.
+/// A body in the fluid, on the rank that owns it; lattice units. Arrays hold 3 numbers a vertex of
+/// BodyPlan::mesh(); spans are valid until the next step.
 class Body {
  public:
   Body() = default;
@@ -25,7 +26,9 @@ class Body {
 
   /// What the coupler moves.
   [[nodiscard]] virtual coupling::Body& markers() = 0;
-  [[nodiscard]] virtual std::span<const double> positions() const = 0;
+  /// Where the vertices of its surface are, which lies BodyPlan::retraction() outside of its
+  /// markers: a capsule's along the normals there, each the mean of the triangles' by their areas.
+  [[nodiscard]] virtual std::vector<double> positions() const = 0;
   /// Velocity of the vertices in the latest step (of a rigid body: the fluid's at its markers),
   /// before the first that of the initial flow there; and their force on the fluid where the body
   /// knows it (else empty).

@@ -24,8 +24,9 @@ namespace ductile::suspension {
 
 /// What makes a body a capsule.
 struct CapsulePlan {
-  membrane::Moduli moduli;
-  double mobility = 1e-3;  ///< in dx/eta, see membrane::CapsuleOptions
+  membrane::Moduli moduli;  ///< of the membrane where it is computed
+  double mobility = 1e-3;   ///< in dx/eta, see membrane::CapsuleOptions
+  double retraction = 0;    ///< how far inside of the surface the membrane is computed
   membrane::Scheme integrator = membrane::reference_scheme();
   membrane::IntegratorOptions integrator_options;
 };
@@ -56,12 +57,20 @@ struct BodyPlan {
   /// Null unless the body is of that kind.
   [[nodiscard]] const CapsulePlan* capsule() const { return std::get_if<CapsulePlan>(&kind); }
   [[nodiscard]] const RigidPlan* rigid() const { return std::get_if<RigidPlan>(&kind); }
+  /// How far inside of the surface the markers lie.
+  [[nodiscard]] double retraction() const {
+    return std::visit([](const auto& plan) { return plan.retraction; }, kind);
+  }
   /// Its surface in its own frame, on which output is drawn.
   [[nodiscard]] surface::Mesh mesh() const { return shape->mesh(frequency); }
-  /// k_s a^2, the unit of a capsule's energies; 0 of any other body.
+  /// That of its markers: a capsule's membrane, a rigid body's without those inside.
+  [[nodiscard]] surface::Mesh marker_mesh() const { return shape->mesh(frequency, -retraction()); }
+  /// k_s r^2 of the membrane, the unit of a capsule's energies: r is less than the radius by the
+  /// retraction. 0 of any other body.
   [[nodiscard]] double energy_unit() const {
     const CapsulePlan* plan = capsule();
-    return plan == nullptr ? 0 : plan->moduli.k_s * shape->radius() * shape->radius();
+    const double radius = shape->radius() - retraction();
+    return plan == nullptr ? 0 : plan->moduli.k_s * radius * radius;
   }
 };
 

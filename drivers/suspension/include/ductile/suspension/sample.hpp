@@ -27,7 +27,7 @@ struct Observation {
   Eigen::Vector3d angular_velocity;
   double slip = 0;                             ///< largest of surface minus fluid velocity
   const membrane::Capsule* capsule = nullptr;  ///< null unless it is one
-  membrane::Shape moments{};                   ///< of the capsule
+  membrane::Shape moments{};                   ///< of the capsule's surface
   /// The capsule's vertex that starts furthest along z and nearest to the plane across y through
   /// its centre: of all the one with the largest z - |y - y_centre|.
   Eigen::Vector3d marker = Eigen::Vector3d::Zero();

@@ -81,8 +81,7 @@ class Suspension {
   [[nodiscard]] std::vector<SurfaceState> surfaces() const;
   [[nodiscard]] FluidState fields();
   /// All gaps smaller than `reach` lattice spacings, as the bodies are now: of each with the walls,
-  /// with the others (their nearest images) and with its own images. A rigid body's surface is
-  /// where its shape's is, not its markers.
+  /// with the others (their nearest images) and with its own images.
   [[nodiscard]] std::vector<Gap> gaps(double reach);
 
   /// Where this rank's time has gone.

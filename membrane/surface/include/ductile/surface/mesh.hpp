@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <vector>
 
 namespace ductile::surface {
@@ -52,6 +53,11 @@ double volume(const Mesh& mesh);
 double area(const Mesh& mesh);
 /// Area of each vertex: a third of that of the triangles it belongs to. Sums to area().
 std::vector<double> vertex_areas(const Mesh& mesh);
+
+/// The vertices of a closed surface moved outwards by `distance`, each along its normal: the mean
+/// of its triangles', weighted with their areas. 3 numbers a vertex.
+std::vector<double> offset(std::span<const double> positions,
+                           std::span<const std::array<int, 3>> triangles, double distance);
 
 /// Applies x -> rotation x + centre to every vertex.
 void place(Mesh& mesh, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& centre);
