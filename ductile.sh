@@ -2,7 +2,7 @@
 # The way in on a Debian 12 machine: installs what is missing, builds what has changed, and runs.
 #
 #   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `resume`, `compare`, `bench` on all cores
-#   ./ductile.sh reproduce [--quick|--paper]  the paper's study, computed and laid beside the paper
+#   ./ductile.sh reproduce [--quick|--paper|--finer]  the paper's study, computed and laid beside the paper
 #   ./ductile.sh snakemake DIR [OPTION ...]  the cases of a campaign's directory, by Snakemake
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs

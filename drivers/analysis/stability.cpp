@@ -201,6 +201,7 @@ StabilityProblem of_bearable_size(StabilityProblem problem) {
   const double ratio = static_cast<double>(frequency) / problem.frequency;
   problem.frequency = frequency;
   problem.radius *= ratio;
+  problem.retraction *= ratio;
   problem.moduli.k_v *= ratio;  // k_v A/V is kept
   return problem;
 }

@@ -274,7 +274,7 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
                                      "In-plane strain energy; k_s/3 is the shear modulus of both"),
       number("area_ratio", &M::area_ratio, between(0, 1000), "",
              "k_a/k_s, resistance to dilation (skalak)"),
-      number("bending", &M::bending, between(0, 1), "", "k_b/(k_s a^2), eq. (10) taken literally"),
+      number("bending", &M::bending, between(0, 1), "", "k_b/(k_s a^2), eq. (10) taken literally; a less the retraction"),
       number("volume_modulus", &M::volume_modulus, between(0, 1e9), "rho nu^2/W^2", "k_v, eq. (11)",
              "the paper's 75000, or what 1.5 in lattice units comes to if that is less"),
       number("mobility", &M::mobility, between(0, 0.1), "dx/eta",
@@ -292,7 +292,7 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
       whole("step_cuts", &M::step_cuts, between(0, 20), "",
             "Implicit integrators: how often a step that was not solved is tried again with twice "
             "as many substeps"),
-      number("edge", &M::edge, between(0.3, 4), "dx", "Mean edge of the mesh"),
+      number("edge", &M::edge, between(0.3, 4), "dx", "Mean edge of the surface's mesh"),
       whole("frequency", &M::frequency, between(0, 1024), "",
             "Mesh of 20 n^2 triangles (the paper's 20480: 32); 0: as edge demands"),
   };

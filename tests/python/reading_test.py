@@ -191,10 +191,16 @@ class Campaigns(Directory):
 @unittest.skipUnless(support.PROGRAM, "DUCTILE_PROGRAM names no program")
 class Program(Directory):
     def test_files_of_the_program_itself(self):
+        self.check_files()
+
+    def test_files_of_membranes_inside_of_their_surfaces(self):
+        self.check_files("--set", "membrane.retraction=0.4")
+
+    def check_files(self, *options):
         run = self.work / "run"
         subprocess.run([support.PROGRAM, "pair", "M1", "--x-lag", "-0.2", "--nodes", "12",
                         "--length", "4", "--set", "run.time_limit=0.2", "--set", "output.surfaces_every=0.1",
-                        "-o", run], check=True, capture_output=True)
+                        *options, "-o", run], check=True, capture_output=True)
         run = ductile.read_run(run)
         self.assertEqual(run.bodies, ["lead", "lag"])
         self.assertEqual(run.parameters["channel.nodes"], 12)

@@ -197,7 +197,7 @@ TEST(InShear, ACapsuleTreads) {
   const auto own = [&] { return suspension.own(0)->observe(); };
   const suspension::Observation start = own();
   std::vector<std::size_t> others;  // vertices near the plane, not near its axis
-  const std::span<const double> x = suspension.own(0)->positions();
+  const std::vector<double> x = suspension.own(0)->positions();
   for (std::size_t n = 0; n < x.size(); n += 3) {
     const Eigen::Vector3d arm = Eigen::Vector3d::Map(&x[n]) - start.centroid;
     if (std::abs(arm.y()) < 0.4 * a) others.push_back(n);
@@ -205,10 +205,10 @@ TEST(InShear, ACapsuleTreads) {
   ASSERT_GT(others.size(), 30U);
   const auto phases = [&] {
     const suspension::Observation now = own();
+    const std::vector<double> at = suspension.own(0)->positions();
     std::vector<double> all;
     for (const std::size_t n : others) {
-      const Eigen::Vector3d arm =
-          Eigen::Vector3d::Map(&suspension.own(0)->positions()[n]) - now.centroid;
+      const Eigen::Vector3d arm = Eigen::Vector3d::Map(&at[n]) - now.centroid;
       all.push_back(std::atan2(arm.x(), arm.z()) / degree);
     }
     return all;

@@ -1,7 +1,9 @@
 #include "ductile/suspension/body.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -55,23 +57,23 @@ class CapsuleBody final : public Body {
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
   [[nodiscard]] std::vector<double> positions() const override {
-    return surface::offset(capsule_->positions(), capsule_->shell().triangles(),
-                           plan_.retraction());
+    return outside(capsule_->positions());
   }
-  [[nodiscard]] std::span<const double> velocities() const override {
-    return capsule_->velocities();
+  [[nodiscard]] std::vector<double> velocities() const override {
+    const std::span<const double> v = capsule_->velocities();
+    std::vector<double> result(v.begin(), v.end());
+    if (plan_.retraction() == 0) return result;
+    result = positions();
+    std::ranges::transform(result, former(), result.begin(), std::minus());
+    return result;
   }
   [[nodiscard]] std::span<const double> forces() const override { return capsule_->forces(); }
   [[nodiscard]] Observation observe() const override {
-    const membrane::Shape shape = capsule_->shape();
-    // The centroid one step ago, from the velocities that moved the vertices since.
     const membrane::Shell& shell = capsule_->shell();
-    const membrane::VecPtr before = shell.create_vec();
-    membrane::petsc_check(VecWAXPY(before.get(), -1, capsule_->state().velocities.get(),
-                                   capsule_->state().positions.get()));
-    const Eigen::Vector3d displacement = shape.centroid - shell.shape(before.get()).centroid;
+    const membrane::Shape shape = shell.shape(positions());
+    const Eigen::Vector3d displacement = shape.centroid - shell.shape(former()).centroid;
     Observation seen{units_,           plan_,          shape.centroid, displacement, turning(shape),
-                     capsule_->slip(), capsule_.get(), surface_shape()};
+                     capsule_->slip(), capsule_.get(), shape};
     seen.marker = Eigen::Vector3d::Map(&capsule_->positions()[marker_]);
     return seen;
   }
@@ -97,9 +99,15 @@ class CapsuleBody final : public Body {
                                                velocities);
   }
 
-  // Of the surface, of which the membrane lies inside.
-  [[nodiscard]] membrane::Shape surface_shape() const {
-    return plan_.retraction() == 0 ? capsule_->shape() : capsule_->shell().shape(positions());
+  // The surface about a membrane.
+  [[nodiscard]] std::vector<double> outside(std::span<const double> membrane) const {
+    return surface::offset(membrane, capsule_->shell().triangles(), plan_.retraction());
+  }
+  // Where the surface was one step ago, by the velocities that moved the vertices since.
+  [[nodiscard]] std::vector<double> former() const {
+    std::vector<double> x(capsule_->positions().size());
+    std::ranges::transform(capsule_->positions(), capsule_->velocities(), x.begin(), std::minus());
+    return outside(x);
   }
 
   // Observation::angular_velocity.
@@ -107,11 +115,12 @@ class CapsuleBody final : public Body {
     surface::Mesh now{{}, capsule_->shell().triangles()};
     std::vector<Eigen::Vector3d> arms;
     std::vector<Eigen::Vector3d> vertex_velocities;
-    const std::span<const double> x = capsule_->positions();
+    const std::vector<double> x = positions();
+    const std::vector<double> v = velocities();
     for (std::size_t n = 0; n < x.size(); n += 3) {
       now.vertices.emplace_back(Eigen::Vector3d::Map(&x[n]));
       arms.emplace_back(now.vertices.back() - shape.centroid);
-      vertex_velocities.emplace_back(Eigen::Vector3d::Map(&velocities()[n]));
+      vertex_velocities.emplace_back(Eigen::Vector3d::Map(&v[n]));
     }
     return nearest_rigid_motion(surface::vertex_areas(now), arms, vertex_velocities)
         .angular_velocity;
@@ -140,16 +149,22 @@ class RigidBody final : public Body {
 
   [[nodiscard]] coupling::Body& markers() override { return markers_; }
   [[nodiscard]] std::vector<double> positions() const override {
-    const rigid::State& state = body_.state();
-    std::vector<double> x;
-    for (const Eigen::Vector3d& vertex : surface_) {
-      const Eigen::Vector3d at = state.position + state.orientation * vertex;
-      x.insert(x.end(), at.begin(), at.end());
-    }
+    const Eigen::Matrix3d rotation = body_.state().orientation.toRotationMatrix();
+    std::vector<double> x(3 * surface_.size());
+    for (std::size_t v = 0; v < surface_.size(); ++v)
+      Eigen::Vector3d::Map(&x[3 * v]) = body_.state().position + rotation * surface_[v];
     return x;
   }
-  [[nodiscard]] std::span<const double> velocities() const override {
-    return std::as_const(markers_).velocity().first(3 * surface_.size());
+  [[nodiscard]] std::vector<double> velocities() const override {
+    const std::span<const double> u = std::as_const(markers_).velocity();
+    const std::span<const double> x = body_.positions();
+    std::vector<double> result = positions();
+    for (std::size_t n = 0; n < result.size(); n += 3) {
+      auto at = Eigen::Vector3d::Map(&result[n]);
+      const Eigen::Vector3d out = at - Eigen::Vector3d::Map(&x[n]);
+      at = Eigen::Vector3d::Map(&u[n]) + body_.state().angular_velocity.cross(out);
+    }
+    return result;
   }
   [[nodiscard]] std::span<const double> forces() const override { return {}; }
   [[nodiscard]] Observation observe() const override {

@@ -8,11 +8,8 @@ exit code is 2 where the directory is not what it should be, or packages are mis
 could not be written.
 """
 import argparse
-import concurrent.futures
-import ctypes
-import multiprocessing
 import os
-import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -24,6 +21,8 @@ from . import figures, report, results
 from .study import METHODS, PAIRS, Study
 
 REPORT = "report.html"
+SCRIPT = Path(__file__).resolve().parents[2] / "report.py"
+_MOST_AT_ONCE = 8  # processes that draw
 _FILM_SIZE, _FILM_PICTURES, _FILM_FPS = (640, 240), 120, 15
 _STRIP = 6  # shapes of a body
 
@@ -42,8 +41,42 @@ def make(directory, file=None, with_films=True, say=lambda text: None):
     results.write(directory, found)
     say("drawing the figures")
     drawn = _figures(study, directory / "figures")
-    media = _all_media(_shown(study), with_films, say)
+    media = _all_media(directory, _shown(study), with_films, say)
     return report.write(directory, found, drawn, media, Path(file or directory / REPORT))
+
+
+def _all_media(directory, cases, with_films, say):
+    """{label: media of the case}, drawn by a process a core, each its share of the cases.
+
+    The others' failures are left to this one, which in the end meets what they have not drawn.
+    """
+    shares = min(len(os.sched_getaffinity(0)), _MOST_AT_ONCE, len(cases)) if with_films else 1
+    helpers = []
+    try:
+        for share in range(1, shares):
+            helpers.append(subprocess.Popen(
+                [sys.executable, SCRIPT, "--share", f"{share}/{shares}", "--", directory],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        for number, case in enumerate(cases):
+            if number % 10 == 0:
+                say(f"films and shapes: run {number + 1} of {len(cases)}")
+            if number % max(shares, 1) == 0:
+                _media(case, with_films)
+        for helper in helpers:
+            helper.wait()
+    finally:
+        for helper in helpers:  # they leave nothing half made
+            helper.terminate()
+        for helper in helpers:
+            helper.wait()
+    return {case.label: _media(case, with_films) for case in cases}
+
+
+def _draw_share(directory, share):
+    """What a process draws that _all_media() has started: every so many of the cases."""
+    first, shares = map(int, share.split("/"))
+    for case in _shown(Study(directory))[first::shares]:
+        _media(case, True)
 
 
 def _figures(study, folder):
@@ -65,35 +98,6 @@ def _shown(study):
                               for x_lag in results.X_LAGS
                               for method in (METHODS if pair != "M3" else METHODS[:1]))
             if case is not None]
-
-
-def _all_media(cases, with_films, say):
-    """{label: media of the case}, drawn by a process a core."""
-    media = {}
-    with concurrent.futures.ProcessPoolExecutor(
-            min(len(os.sched_getaffinity(0)), max(1, len(cases))),
-            multiprocessing.get_context("spawn"), _ends_with, (os.getpid(),)) as pool:
-        tasks = [pool.submit(_media, case, with_films) for case in cases]
-        try:
-            for number, (case, task) in enumerate(zip(cases, tasks), 1):
-                if number % 10 == 1:
-                    say(f"films and shapes: run {number} of {len(cases)}")
-                media[case.label] = task.result()
-        except concurrent.futures.BrokenExecutor:
-            raise DuctileError("a process that draws films and shapes was killed: there may be too "
-                               "little memory") from None
-        finally:
-            pool.shutdown(cancel_futures=True)
-    return media
-
-
-def _ends_with(parent):
-    """Has this process killed when its parent ends, which alone hears the keyboard."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    set_death_signal = 1  # PR_SET_PDEATHSIG
-    ctypes.CDLL(None).prctl(set_death_signal, signal.SIGKILL)
-    if os.getppid() != parent:
-        os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _media(case, with_films):
@@ -152,7 +156,10 @@ def main(arguments=None):
     parser.add_argument("directory", type=Path, metavar="DIRECTORY")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE")
     parser.add_argument("--no-films", action="store_true", help="draw neither films nor shapes")
+    parser.add_argument("--share", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
+    if options.share:
+        return ending.code_of(lambda: _draw_share(options.directory, options.share), "the report")
     return ending.code_of(
         lambda: print(make(options.directory, options.output, not options.no_films,
                            lambda text: print(text, file=sys.stderr, flush=True))),

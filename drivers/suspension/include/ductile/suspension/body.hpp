@@ -29,10 +29,10 @@ class Body {
   /// Where the vertices of its surface are, which lies BodyPlan::retraction() outside of its
   /// markers: a capsule's along the normals there, each the mean of the triangles' by their areas.
   [[nodiscard]] virtual std::vector<double> positions() const = 0;
-  /// Velocity of the vertices in the latest step (of a rigid body: the fluid's at its markers),
-  /// before the first that of the initial flow there; and their force on the fluid where the body
-  /// knows it (else empty).
-  [[nodiscard]] virtual std::span<const double> velocities() const = 0;
+  /// Velocity of the vertices in the latest step (of a rigid body: the fluid's at its markers, and
+  /// what its rotation adds from there to the surface), before the first that of the initial flow
+  /// there; and the force of their markers on the fluid where the body knows it (else empty).
+  [[nodiscard]] virtual std::vector<double> velocities() const = 0;
   [[nodiscard]] virtual std::span<const double> forces() const = 0;
   [[nodiscard]] virtual Observation observe() const = 0;
   /// What a capsule's integrator has spent so far; zeros of any other body.
