@@ -7,7 +7,8 @@ from .errors import DuctileError
 
 
 def exit_by(number, frame):
-    """Takes a signal so that nothing half made is left."""
+    """Takes a signal so that nothing half made is left; a second one does not disturb that."""
+    signal.signal(number, signal.SIG_IGN)
     raise SystemExit(128 + number)
 
 
