@@ -106,8 +106,8 @@ TEST(InShear, AStiffCapsuleTurnsAsASphere) {
 }
 
 // Taylor's D over Ca = eta rate a/k_s of a Skalak capsule (C = 1) in weak shear, in a box of 5 a:
-// the same flow on lattices of 25 and 35 nodes. At a strain of 0.6 some 2% of the transient are left,
-// alike on both.
+// the same flow on lattices of 25 and 35 nodes. At a strain of 0.6 some 2% of the transient are
+// left, alike on both.
 double deformation(double a, double retraction) {
   constexpr double capillary = 0.01;
   const double rate = 0.1 * eta / (a * a);
