@@ -16,7 +16,7 @@ bool Contacts::update(double time, const std::vector<Gap>& gaps) {
         contacts_, [&gap](const Contact& contact) { return contact.smallest.between_same(gap); });
     if (known == contacts_.end()) {
       known = contacts_.insert(contacts_.end(), {gap, time, time});
-    } else if (known->crossed() || gap.distance >= known->smallest.distance) {
+    } else if (known->crossed() || (!gap.crossed && gap.distance >= known->smallest.distance)) {
       continue;
     } else {
       known->smallest = gap;
@@ -51,6 +51,13 @@ std::string description(const Plan& plan, const Contact& contact) {
         "the surfaces of {} and {} cross at t = {:.4g}: nothing but the fluid "
         "keeps them apart, and it is not resolved there",
         who, other, contact.time);
+  }
+  if (gap.distance < 0) {
+    return fmt::format(
+        "the surfaces of {} and {} overlap by {:.3g} W ({:.2f} lattice spacings) at t = {:.4g}, "
+        "their "
+        "markers being further inside: the flow between them is not resolved since t = {:.4g}",
+        who, other, -plan.units.length(gap.distance), -gap.distance, contact.time, contact.since);
   }
   return fmt::format(
       "{} came as near as {:.3g} W ({:.2f} lattice spacings) to {} at t = {:.4g}, "

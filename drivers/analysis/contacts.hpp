@@ -13,11 +13,11 @@ namespace ductile::drivers {
 
 /// A gap that has been smaller than the kernel's reach.
 struct Contact {
-  suspension::Gap smallest;  ///< so far; after a crossing, the gap that was first 0 or less
+  suspension::Gap smallest;  ///< so far; after a crossing, the gap that crossed first
   double time = 0;           ///< of the smallest [W^2/nu]
   double since = 0;          ///< when it was first seen that small
 
-  [[nodiscard]] bool crossed() const { return smallest.distance <= 0; }
+  [[nodiscard]] bool crossed() const { return smallest.crossed; }
 };
 
 /// What there is to tell of the gaps of a run: each once, however often it opens and closes.

@@ -62,7 +62,7 @@ struct BodySummary {
 /// A gap that the lattice does not resolve.
 struct ContactSummary {
   std::string body, other;  ///< as messages call them
-  double gap = 0;           ///< the smallest [W]; 0 where the surfaces cross
+  double gap = 0;           ///< the smallest [W]; less than 0 where the surfaces overlap
   double gap_nodes = 0;     ///< the same in lattice spacings
   double time = 0;          ///< of it [W^2/nu]
   double since = 0;         ///< when it was first under the kernel's reach [W^2/nu]

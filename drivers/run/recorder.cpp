@@ -63,11 +63,14 @@ std::vector<Frame> frames_of(const Numbers& numbers, std::size_t bodies) {
   return frames;
 }
 
+constexpr std::size_t crossing = 4;  // added to the number of a kind of gap whose sides cross
+
 Numbers numbers_of(const Contacts& contacts) {
   Numbers numbers;
   for (const Contact& contact : contacts.all()) {
     const suspension::Gap& gap = contact.smallest;
-    for (const auto index : {static_cast<std::size_t>(gap.to), gap.body, gap.other})
+    const std::size_t kind = static_cast<std::size_t>(gap.to) + (gap.crossed ? crossing : 0);
+    for (const auto index : {kind, gap.body, gap.other})
       numbers.push_back(static_cast<double>(index));
     numbers.insert(numbers.end(),
                    {static_cast<double>(gap.side), gap.distance, contact.time, contact.since});
@@ -80,7 +83,9 @@ Contacts contacts_of(const Numbers& numbers) {
   std::vector<Contact> contacts;
   for (std::size_t n = 0; n + each <= numbers.size(); n += each) {
     Contact& contact = contacts.emplace_back();
-    contact.smallest.to = static_cast<suspension::Gap::To>(numbers[n]);
+    const auto kind = static_cast<std::size_t>(numbers[n]);
+    contact.smallest.to = static_cast<suspension::Gap::To>(kind % crossing);
+    contact.smallest.crossed = kind >= crossing;
     contact.smallest.body = static_cast<std::size_t>(numbers[n + 1]);
     contact.smallest.other = static_cast<std::size_t>(numbers[n + 2]);
     contact.smallest.side = static_cast<int>(numbers[n + 3]);
@@ -401,7 +406,7 @@ Summary Recorder::summarise(RunStatus status,
   }
   for (const Contact& contact : contacts_.all()) {
     const suspension::Gap& gap = contact.smallest;
-    const double distance = std::max(0.0, gap.distance);
+    const double distance = gap.crossed ? std::min(0.0, gap.distance) : gap.distance;
     summary.contacts.push_back({given_.plan.bodies[gap.body].name,
                                 gap.to == suspension::Gap::To::body
                                     ? given_.plan.bodies[gap.other].name

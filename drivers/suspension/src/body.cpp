@@ -59,6 +59,9 @@ class CapsuleBody final : public Body {
   [[nodiscard]] std::vector<double> positions() const override {
     return outside(capsule_->positions());
   }
+  [[nodiscard]] std::span<const double> inner_positions() const override {
+    return capsule_->positions();
+  }
   [[nodiscard]] std::vector<double> velocities() const override {
     const std::span<const double> v = capsule_->velocities();
     std::vector<double> result(v.begin(), v.end());
@@ -154,6 +157,9 @@ class RigidBody final : public Body {
     for (std::size_t v = 0; v < surface_.size(); ++v)
       Eigen::Vector3d::Map(&x[3 * v]) = body_.state().position + rotation * surface_[v];
     return x;
+  }
+  [[nodiscard]] std::span<const double> inner_positions() const override {
+    return body_.positions().first(3 * surface_.size());
   }
   [[nodiscard]] std::vector<double> velocities() const override {
     const std::span<const double> u = std::as_const(markers_).velocity();

@@ -11,7 +11,7 @@ namespace ductile::suspension {
 
 using Eigen::Vector3d;
 
-/// A body's surface.
+/// A body's markers, and their surface.
 struct GapFinder::Surface {
   std::size_t body;
   surface::SurfaceView view;
@@ -50,8 +50,10 @@ void GapFinder::add_walls(const Surface& body, double reach, std::vector<Gap>& g
     const double middle = plan_.units.origin()[a];
     for (const int side : {-1, 1}) {
       const double outermost = side < 0 ? middle - body.box.low[a] : body.box.high[a] - middle;
-      const double distance = half_widths[axis] - outermost;
-      if (distance < reach) gaps.push_back({Gap::To::wall, body.body, axis, distance, side});
+      const double room = half_widths[axis] - outermost;
+      const double distance = room - plan_.bodies[body.body].retraction();
+      if (distance < reach)
+        gaps.push_back({Gap::To::wall, body.body, axis, distance, side, room <= 0});
     }
   }
 }
@@ -69,6 +71,8 @@ void GapFinder::add_bodies(const Surface& a, const Surface& b, double reach,
     const double home = std::round(apart[static_cast<int>(axis)] / period[axis]);
     shifts[axis] = {home * period[axis], (home - 1) * period[axis], (home + 1) * period[axis]};
   }
+  const double outside = this->outside(a.body, b.body);
+  reach += outside;
   double nearest = std::numeric_limits<double>::infinity();
   for (const double y : shifts[1]) {
     for (const double z : shifts[2]) {
@@ -81,7 +85,9 @@ void GapFinder::add_bodies(const Surface& a, const Surface& b, double reach,
     }
   }
   if (nearest >= reach) return;
-  gaps.push_back({same ? Gap::To::image : Gap::To::body, a.body, b.body, nearest, 0});
+  // Where two surfaces are nearest their normals point at each other.
+  gaps.push_back(
+      {same ? Gap::To::image : Gap::To::body, a.body, b.body, nearest - outside, 0, nearest <= 0});
 }
 
 }  // namespace ductile::suspension

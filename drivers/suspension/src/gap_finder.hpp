@@ -17,11 +17,17 @@ class GapFinder {
   explicit GapFinder(const Plan& plan);
 
   /// All gaps smaller than `reach` lattice spacings: of bodies with walls, with other bodies and
-  /// their periodic images, and with their own images. `positions`: of every body's vertices.
+  /// their periodic images, and with their own images. `positions`:
+  /// Body::inner_positions() of every body.
   [[nodiscard]] std::vector<Gap> below(double reach,
                                        const std::vector<std::vector<double>>& positions) const;
 
  private:
+  // How far the surfaces of two bodies lie outside of their markers, together.
+  [[nodiscard]] double outside(std::size_t a, std::size_t b) const {
+    return plan_.bodies[a].retraction() + plan_.bodies[b].retraction();
+  }
+
   using Triangles = std::vector<std::array<int, 3>>;
   struct Surface;
 

@@ -153,8 +153,8 @@ std::vector<Gap> Suspension::gaps(double reach) {
   std::vector<std::vector<double>> positions;
   for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
     const Body* mine = own(b);
-    std::vector<double> of_body =
-        gather.from(owner(b), mine != nullptr ? mine->positions() : std::vector<double>());
+    std::vector<double> of_body = gather.from(
+        owner(b), mine != nullptr ? mine->inner_positions() : std::span<const double>());
     if (rank() == 0) positions.push_back(std::move(of_body));
   }
   if (rank() != 0) return {};

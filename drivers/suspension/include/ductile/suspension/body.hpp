@@ -26,6 +26,8 @@ class Body {
 
   /// What the coupler moves.
   [[nodiscard]] virtual coupling::Body& markers() = 0;
+  /// Where the markers behind the vertices of its surface are; valid until the next step.
+  [[nodiscard]] virtual std::span<const double> inner_positions() const = 0;
   /// Where the vertices of its surface are, which lies BodyPlan::retraction() outside of its
   /// markers: a capsule's along the normals there, each the mean of the triangles' by their areas.
   [[nodiscard]] virtual std::vector<double> positions() const = 0;

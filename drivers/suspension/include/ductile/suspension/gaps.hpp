@@ -5,14 +5,17 @@
 
 namespace ductile::suspension {
 
-/// Smallest distance between two surfaces.
+/// Smallest distance between two surfaces. Markers inside of their surface (BodyPlan::retraction())
+/// keep apart by about a lattice spacing, whatever lies between: a film of fluid so thin that the
+/// lattice does not resolve it may leave surfaces that overlap by some tenths of a spacing.
 struct Gap {
   enum class To { wall, body, image };
   To to = To::wall;
   std::size_t body = 0;   ///< index in Plan::bodies
   std::size_t other = 0;  ///< the other body's index; for a wall, its axis: 0 for x, 1 for y
-  double distance = 0;    ///< lattice spacings; 0 or less where they cross, how deep is not said
+  double distance = 0;    ///< lattice spacings; less than 0 where they overlap
   int side = 0;           ///< of a wall: -1 at the axis' low end, 1 at its high end
+  bool crossed = false;   ///< the markers' surfaces meet: nothing is right any longer
 
   /// Whether both lie between the same two.
   [[nodiscard]] bool between_same(const Gap& gap) const {
