@@ -5,6 +5,7 @@
 
 #include "ductile/rigid/body.hpp"
 #include "ductile/surface/mesh.hpp"
+#include "ductile/suspension/felt_surface.hpp"
 
 namespace ductile::drivers {
 
@@ -31,6 +32,18 @@ double least_density_ratio(const surface::Shape& shape, int frequency, double re
   for (Eigen::Vector3d& marker : surface.markers) marker *= scale;
   for (double& area : surface.areas) area *= scale * scale;
   return rigid::least_density_ratio(surface, rigid::solid_of(shape), rigid::Options{}.relaxation);
+}
+
+double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
+                          const BodyOptions& body) {
+  // What is out of bounds is refused later.
+  const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
+  if (!(radius > 0)) return 0;
+  fluid::Options options;
+  options.tau = fluid.tau;
+  options.collision = fluid.collision;
+  options.magic = fluid.magic;
+  return suspension::felt_retraction(*surface::make_shape(body.shape, radius), options);
 }
 
 suspension::Interior default_interior(const ChannelOptions& channel, const BodyOptions& body) {

@@ -22,6 +22,13 @@ int mesh_frequency(int frequency, double edge, double radius, double half_width)
 /// coarse mesh, which has a little less area, stands for a fine one.
 double least_density_ratio(const surface::Shape& shape, int frequency, double retraction);
 
+/// retraction of a body, in lattice spacings: what makes its surface felt where it is
+/// (suspension::felt_retraction). Takes the shape and the radius of the body.
+double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
+                          const BodyOptions& body);
+/// How much more of it a solid takes: inner shells make the surface felt further out.
+constexpr double solid_retraction = 0.2;
+
 /// interior of a rigid body: a solid where it is too light to be stable with fluid inside, else
 /// fluid. Takes all else that is said of the body.
 suspension::Interior default_interior(const ChannelOptions& channel, const BodyOptions& body);

@@ -274,15 +274,20 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
                                      "In-plane strain energy; k_s/3 is the shear modulus of both"),
       number("area_ratio", &M::area_ratio, between(0, 1000), "",
              "k_a/k_s, resistance to dilation (skalak)"),
-      number("bending", &M::bending, between(0, 1), "", "k_b/(k_s a^2), eq. (10) taken literally; a less the retraction"),
+      number("bending", &M::bending, between(0, 1), "",
+             "k_b/(k_s a^2), eq. (10) taken literally; a less the retraction"),
       number("volume_modulus", &M::volume_modulus, between(0, 1e9), "rho nu^2/W^2", "k_v, eq. (11)",
              "the paper's 75000, or what 1.5 in lattice units comes to if that is less"),
       number("mobility", &M::mobility, between(0, 0.1), "dx/eta",
              "Drift of the membrane through the fluid per elastic force per area: relaxes strain "
              "that the lattice cannot see; 0 is the paper's pure method"),
-      number("retraction", &M::retraction, between(0, 1), "dx",
-             "How far inside of its surface a capsule's membrane is computed: the kernel makes it "
-             "felt about 0.4 further out than it is; 0 is the paper's method"),
+      number(
+          "retraction", &M::retraction, between(0, 1), "dx",
+          "How far inside of its surface a capsule's membrane is computed, as the kernel makes it "
+          "felt further out than it is; a sphere's moduli are adapted to it. 0: neither, the "
+          "paper's method",
+          "what makes it felt where it is, 0.4 + 1.4 dx/a for a sphere and 0.4 for a cell at "
+          "tau = 1"),
       choice<M, std::string>("integrator", &M::integrator, themselves(membrane::integrator_names()),
                              "How the membrane advances in time; implicit: at any stiffness"),
       number("theta", &M::theta, between(0.5, 1), "",
@@ -307,15 +312,15 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
       number("memory", &R::memory, between(0, 0.95), "",
              "Share of the last step's force with which a step's iterations begin: 2 iterations "
              "with 0.9 leave as little slip as 5 with 0, the paper's method"),
-      number("retraction", &R::retraction, between(0, 1), "dx",
-             "How far inside of its surface a body's markers lie: the kernel makes a body felt "
-             "about 0.5 further out than its markers are; 0 is the paper's method"),
+      number("retraction", &R::retraction, between(0, 2), "dx",
+             "How far inside of its surface a body's markers lie, as the kernel makes it felt "
+             "further out than they are. 0: on the surface, the paper's method",
+             "what makes it felt where it is, 0.4 + 1.4 dx/a at tau = 1, and 0.2 more for a solid"),
       choice<R, suspension::Interior>(
           "interior", &R::interior,
           {{"fluid", suspension::Interior::fluid}, {"solid", suspension::Interior::solid}},
           "What fills the surface: fluid that it alone moves, the paper's method, which follows a "
-          "change of spin only within a^2/(20 nu); or a solid, made by inner shells of markers, "
-          "for which the retraction that makes the drag right is 0.7, not 0.5",
+          "change of spin only within a^2/(20 nu); or a solid, made by inner shells of markers",
           "fluid, or solid for a body that is too light to be stable with fluid inside"),
       number("edge", &R::edge, between(0.3, 4), "dx", "Mean edge of the surface's mesh"),
       whole("frequency", &R::frequency, between(0, 1024), "",

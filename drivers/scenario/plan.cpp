@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "ductile/suspension/felt_surface.hpp"
 #include "scenario/defaults.hpp"
 
 namespace ductile::drivers {
@@ -13,12 +14,18 @@ namespace {
 
 using suspension::Units;
 
-suspension::CapsulePlan capsule_plan(const BodyOptions& body, double radius, const Units& units) {
+suspension::CapsulePlan capsule_plan(const BodyOptions& body, const surface::Shape& shape,
+                                     const fluid::Options& fluid, const Units& units) {
   suspension::CapsulePlan plan;
+  const double radius = shape.radius();
   membrane::Moduli& moduli = plan.moduli;
   moduli.law = body.membrane.law;
   moduli.k_s = units.lattice_shear_modulus(body.laplace, radius);
   moduli.k_a = body.membrane.area_ratio * moduli.k_s;
+  const double factor =
+      suspension::felt_modulus_factor(shape, body.membrane.retraction, moduli, fluid);
+  moduli.k_s *= factor;
+  moduli.k_a *= factor;
   // The rate at which a mode relaxes is k_s/(eta a), times k_b/(k_s a^2) where it is bending's:
   // with the radius that the fluid feels for a, and the membrane's own in the latter.
   const double inner = radius - body.membrane.retraction;
@@ -31,7 +38,8 @@ suspension::CapsulePlan capsule_plan(const BodyOptions& body, double radius, con
   return plan;
 }
 
-suspension::BodyPlan body_plan(const BodyOptions& body, const Units& units) {
+suspension::BodyPlan body_plan(const BodyOptions& body, const fluid::Options& fluid,
+                               const Units& units) {
   suspension::BodyPlan plan;
   plan.name = body.name;
   const double radius = units.lattice_length(body.radius);
@@ -45,7 +53,7 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const Units& units) {
   const double edge = capsule ? body.membrane.edge : body.rigid.edge;
   plan.frequency = mesh_frequency(frequency, edge, radius, units.half_width());
   if (capsule) {
-    plan.kind = capsule_plan(body, radius, units);
+    plan.kind = capsule_plan(body, *plan.shape, fluid, units);
   } else {
     plan.kind = suspension::RigidPlan{body.density_ratio, body.rigid.iterations, body.rigid.memory,
                                       body.rigid.retraction, body.rigid.interior};
@@ -109,7 +117,8 @@ Case planned(Scenario scenario) {
     plan.fluid.wall_velocity[0][side].z() = units.lattice_velocity(channel.wall_velocity[side]);
   }
   plan.gravity = units.lattice_acceleration(Eigen::Vector3d(channel.gravity.data()));
-  for (const BodyOptions& body : scenario.bodies) plan.bodies.push_back(body_plan(body, units));
+  for (const BodyOptions& body : scenario.bodies)
+    plan.bodies.push_back(body_plan(body, plan.fluid, units));
 
   if (scenario.fluid.frame == LatticeFrame::bodies) plan.ride(velocity_of_bodies(plan));
 

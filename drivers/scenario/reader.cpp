@@ -163,6 +163,13 @@ class Reader {
     return name == nullptr ? body : *name;
   }
 
+  // Whether a key is given for a body, in its own table or in that of all of its kind.
+  [[nodiscard]] bool given(const toml::table& body, std::string_view kind,
+                           std::string_view key) const {
+    const auto* common = document_.root()[kind].as_table();
+    return body.contains(key) || (common != nullptr && common->contains(key));
+  }
+
   [[nodiscard]] BodyOptions read_body(const toml::table& table, std::size_t i,
                                       const Scenario& s) const {
     const std::string path = "body." + shown_key(Document::name(table, i)) + ".";
@@ -180,13 +187,18 @@ class Reader {
       }
       read_keys(table, path, capsule_keys(), body);
       read_keys(table, path, membrane_keys(), body.membrane);
+      if (!given(table, "membrane", "retraction"))
+        body.membrane.retraction = default_retraction(s.channel, s.fluid, body);
       applicable = names_of(body_keys(), capsule_keys(), membrane_keys());
     } else {
       read_keys(table, path, rigid_body_keys(), body);
       read_keys(table, path, rigid_keys(), body.rigid);
-      const auto* common = document_.root()["rigid"].as_table();
-      if (!table.contains("interior") && (common == nullptr || !common->contains("interior")))
+      const bool felt = !given(table, "rigid", "retraction");
+      if (felt) body.rigid.retraction = default_retraction(s.channel, s.fluid, body);
+      if (!given(table, "rigid", "interior"))
         body.rigid.interior = default_interior(s.channel, body);
+      if (felt && body.rigid.interior == suspension::Interior::solid)
+        body.rigid.retraction += solid_retraction;
       applicable = names_of(body_keys(), rigid_body_keys(), rigid_keys());
     }
     for (const auto& [key, node] : table) {

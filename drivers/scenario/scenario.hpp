@@ -40,7 +40,7 @@ struct FluidOptions {
   double tau = 1;
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
-  LatticeFrame frame = LatticeFrame::walls;
+  LatticeFrame frame = LatticeFrame::bodies;
   fluid::Storage storage = fluid::Storage::single_precision;  ///< doc/precision.md
   bool operator==(const FluidOptions&) const = default;
 };
@@ -52,7 +52,7 @@ struct MembraneOptions {
   double bending = 2.87e-3;
   double volume_modulus = 75000;
   double mobility = 1e-3;
-  double retraction = 0;
+  double retraction = 0;  ///< what default_retraction() says, unless the file does
   std::string integrator = "explicit-euler";
   double theta = 0.5;
   int substeps = 1;
@@ -66,7 +66,7 @@ struct MembraneOptions {
 struct RigidOptions {
   int iterations = 5;
   double memory = 0;
-  double retraction = 0;
+  double retraction = 0;  ///< as a membrane's
   suspension::Interior interior = suspension::Interior::fluid;
   double edge = 1.2;
   int frequency = 0;

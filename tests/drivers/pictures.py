@@ -38,7 +38,9 @@ radius = 0.35
 x = -0.25
 z = -0.6
 """
-CHANNEL = '[channel]\nnodes = 16\nlength = 5\n'
+# The fluid on a body's surface is that of its markers only where the two are one.
+SURFACES = '[membrane]\nretraction = 0.0\n[rigid]\nretraction = 0.0\n'
+CHANNEL = SURFACES + '[channel]\nnodes = 16\nlength = 5\n'
 CASES = {
     'whole': CHANNEL,
     'half': CHANNEL + 'symmetry = "y"\n',

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ductile/suspension/felt_surface.hpp"
 #include "input_support.hpp"
 
 namespace ductile::drivers {
@@ -42,8 +43,8 @@ TEST(Plan, ThePapersParametersComeOutAtAnyResolution) {
   for (const char* nodes : {"24", "36", "75", "90"}) {
     for (const char* tau : {"0.6", "1.0"}) {
       for (const char* walls : {"halfway", "regularized"}) {
-        const Plan s =
-            plan({set("channel.nodes", nodes), set("fluid.tau", tau), set("channel.walls", walls)});
+        const Plan s = plan({set("channel.nodes", nodes), set("fluid.tau", tau),
+                             set("channel.walls", walls), set("membrane.retraction", "0.0")});
         const double W = s.units.half_width();
         const double nu = s.units.viscosity();
         const double alpha = s.fluid.force.z();
@@ -176,9 +177,28 @@ TEST(Plan, TimesAreInStepsOfTheViscousTime) {
   EXPECT_DOUBLE_EQ(s.units.time(972), 0.5);
 }
 
+// Unless they are given their place, surfaces are felt where they are, with moduli to match.
+TEST(Plan, CapsulesLieInsideOfTheirSurface) {
+  const Plan s = plan({});
+  for (std::size_t b = 0; b < 2; ++b) {
+    const suspension::BodyPlan& body = s.bodies[b];
+    const suspension::CapsulePlan& capsule = *body.capsule();
+    EXPECT_EQ(capsule.retraction, suspension::felt_retraction(*body.shape, s.fluid));
+    const double nominal =
+        plan({set("membrane.retraction", "0.0")}).bodies[b].capsule()->moduli.k_s;
+    const double factor =
+        suspension::felt_modulus_factor(*body.shape, capsule.retraction, capsule.moduli, s.fluid);
+    EXPECT_NEAR(capsule.moduli.k_s, factor * nominal, 1e-12 * nominal);
+    EXPECT_NEAR(capsule.moduli.k_a, 2 * capsule.moduli.k_s, 1e-12 * nominal);
+    const double r = body.shape->radius() - capsule.retraction;
+    EXPECT_NEAR(capsule.moduli.k_b, 2.87e-3 * capsule.moduli.k_s * r * r, 1e-12 * nominal);
+  }
+}
+
 TEST(Plan, PlanesAndGravityAreInUnitsOfViscosity) {
   const Plan s = plan({set("channel.side_walls", "false"), set("channel.wall_velocity", "[-2, 3]"),
-                       set("channel.gravity", "[0, 0, -7]"), set("channel.reynolds", "0")});
+                       set("channel.gravity", "[0, 0, -7]"), set("channel.reynolds", "0"),
+                       set("fluid.frame", "\"walls\"")});
   EXPECT_DOUBLE_EQ(s.wall_velocity()[0] * s.units.half_width() / s.units.viscosity(), -2);
   EXPECT_DOUBLE_EQ(s.wall_velocity()[1] * s.units.half_width() / s.units.viscosity(), 3);
   EXPECT_DOUBLE_EQ(s.units.velocity(Eigen::Vector3d(0, 0, s.wall_velocity()[1])).z(), 3);

@@ -454,7 +454,7 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
 }
 
 // Fluid inside unless that is said to be otherwise, or the body is too light for it: at a = 18 dx
-// below 1 - 7.5/18.
+// below 1 - 7.5/18 with markers on the surface, and 0.606 where they lie by default.
 TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
   const std::string channel = "[channel]\nnodes = 80\n";
   const auto body = [](const std::string& ratio) {
@@ -466,10 +466,11 @@ TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
   };
   using enum suspension::Interior;
   EXPECT_EQ(interior(channel + body("0.57")), solid);
-  EXPECT_EQ(interior(channel + body("0.6")), fluid);
+  EXPECT_EQ(interior(channel + body("0.62")), fluid);
   EXPECT_EQ(interior("[channel]\nnodes = 30\n" + body("0.5")), fluid);
   // Markers inside of the surface have less area.
-  EXPECT_EQ(interior(channel + body("0.6") + "retraction = 1\n"), solid);
+  EXPECT_EQ(interior(channel + body("0.6") + "retraction = 0\n"), fluid);
+  EXPECT_EQ(interior(channel + body("0.62") + "retraction = 1\n"), solid);
   const std::string common = "[rigid]\ninterior = ";
   EXPECT_EQ(interior(channel + common + "\"solid\"\n" + body("2")), solid);
   const Scenario light = read(channel + body("0.57"), "case.toml");
@@ -479,7 +480,7 @@ TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
   EXPECT_NE(refusal(channel + common + "\"fluid\"\n" + body("0.57")), "");
   EXPECT_EQ(
       refusal(channel + body("0.57") + "interior = \"fluid\"\n"),
-      "case.toml:7:17: body.a.density_ratio = 0.57: must be at least 0.584 for a body of this "
+      "case.toml:7:17: body.a.density_ratio = 0.57: must be at least 0.606 for a body of this "
       "size with fluid inside: raise it, or set interior = \"solid\"");
 }
 

@@ -11,7 +11,7 @@ DEFAULTS = {
     "fluid.tau": 1.0, "fluid.collision": "bgk", "fluid.storage": "single",
     "body.law": "skalak", "body.area_ratio": 2.0, "body.bending": 0.00287, "body.mobility": 0.001,
     "body.integrator": "explicit-euler", "body.theta": 0.5, "body.substeps": 1, "body.edge": 1.2,
-    "body.frequency": 0, "body.iterations": 5, "body.memory": 0.0, "body.retraction": 0.0,
+    "body.frequency": 0, "body.iterations": 5, "body.memory": 0.0,
     "body.density_ratio": 1.0, "body.shape": "sphere", "body.radius": 0.4, "body.y": 0.0,
 }
 
@@ -27,7 +27,7 @@ _CALLED = {
 }
 # Neither physics nor method, or said otherwise: tables whose keys every body has for itself, and
 # what follows from the lattice unless it is set.
-_LEFT_OUT = re.compile(r"name|(run|output|membrane|rigid|petsc)\..*|body\.[^.]+\.volume_modulus")
+_LEFT_OUT = re.compile(r"name|(run|output|membrane|rigid|petsc)\..*|body\.[^.]+\.(volume_modulus|retraction)")
 
 
 def bodies(parameters):
