@@ -38,8 +38,10 @@ radius = 0.35
 x = -0.25
 z = -0.6
 """
-# The fluid on a body's surface is that of its markers only where the two are one.
-SURFACES = '[membrane]\nretraction = 0.0\n[rigid]\nretraction = 0.0\n'
+# The fluid on a body's surface is that of its markers only where the two are one, and its nodes stay
+# in the channel's box only where the lattice rests.
+SURFACES = ('[membrane]\nretraction = 0.0\n[rigid]\nretraction = 0.0\n'
+            '[fluid]\nframe = "walls"\n')
 CHANNEL = SURFACES + '[channel]\nnodes = 16\nlength = 5\n'
 CASES = {
     'whole': CHANNEL,
