@@ -3,6 +3,7 @@
 #
 #   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `resume`, `compare`, `bench` on all cores
 #   ./ductile.sh reproduce [--quick|--paper|--finer]  the paper's study, computed and laid beside the paper
+#   ./ductile.sh converge [DIR]            the cases of doc/convergence.md on five lattices, and their figures
 #   ./ductile.sh snakemake DIR [OPTION ...]  the cases of a campaign's directory, by Snakemake
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs
@@ -109,6 +110,15 @@ case ${1:-} in
     make_target ductile
     shift
     exec /usr/bin/python3 "$top/drivers/python/reproduce.py" --program "$build/drivers/ductile" "$@"
+    ;;
+  converge)
+    make_target ductile
+    make_target convergence_cases
+    results=${2:-runs/convergence}
+    "$build/drivers/ductile" campaign "$top"/drivers/scenarios/convergence/*.toml -o "$results"
+    say "drag, lift and deformation: some twenty minutes"
+    "$build/tests/validation/convergence_cases" array shear lift >"$results/cases.csv"
+    exec /usr/bin/python3 "$top/doc/figures/convergence.py" "$results"
     ;;
   run | pair | resume | compare | bench)
     make_target ductile
