@@ -6,7 +6,7 @@
 
 Draws a figure a case into convergence/ beside this file, and prints the tables of
 doc/convergence.md: each number by the paper's coupling (markers on the surface, a lattice at rest)
-and by the default, the limit of Richardson's from the three finest lattices of the default, and the
+and by the default ("corrected"), Richardson's limit of the two finest lattices, and the
 order that the last three of each show, where they go one way.
 """
 import csv
@@ -30,10 +30,11 @@ def rows(path):
     return dict(zip(names, table.T))
 
 
-def extrema(run):
+def maxima(run):
     t, dz = run["t[W^2/nu]"], run["dz[W]"]
     spline = CubicSpline(t, dz)
-    return [(x, float(spline(x))) for x in spline.derivative().roots() if t[0] < x < t[-1]]
+    return [(x, float(spline(x))) for x in spline.derivative().roots()
+            if t[0] < x < t[-1] and spline(x, 2) < 0]
 
 
 def settled(run):
@@ -53,7 +54,7 @@ def early(run):
 
 
 def first_maximum(run):
-    found = [dz for t, dz in extrema(run) if t > 8]
+    found = [dz for t, dz in maxima(run) if t > 8]
     return found[0] if found else None
 
 
@@ -92,7 +93,9 @@ def richardson(n, values, order=2):
     orders = np.linspace(0.2, 6, 581)
     ratio = [(n[-3] ** -p - n[-2] ** -p) / (n[-2] ** -p - n[-1] ** -p) for p in orders]
     asked = (w - u) / (u - v) if u != v else np.nan
-    return limit, float(orders[np.argmin(np.abs(np.array(ratio) - asked))]) if asked > 1 else None
+    if not ratio[0] < asked < ratio[-1]:
+        return limit, None
+    return limit, float(np.interp(asked, ratio, orders))
 
 
 def draw(name, label, series, limit, axis):

@@ -133,7 +133,8 @@ double reach_from_axis(const Plan& plan, std::size_t body, int axis) {
 }
 
 int nodes_for_gap(const Plan& plan, double distance, double wanted) {
-  const double width = 2 * plan.units.half_width() * wanted / distance;
+  constexpr double most = 1e9;  // more than any lattice has
+  const double width = std::min(2 * plan.units.half_width() * wanted / distance, most);
   return static_cast<int>(std::ceil(width - round_off)) +
          (plan.fluid.boundary[0] == fluid::Boundary::regularized ? 1 : 0);
 }

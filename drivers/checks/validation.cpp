@@ -224,6 +224,8 @@ void check_retractions(const Plan& plan) {
   constexpr int coarse = 4;
   for (const suspension::BodyPlan& body : plan.bodies) {
     try {
+      if (body.retraction() > body.shape->radius() / 2)
+        throw std::invalid_argument("it must not exceed half of the radius");
       (void)body.shape->mesh(std::min(body.frequency, coarse), -body.retraction());
     } catch (const std::invalid_argument& error) {
       throw ScenarioError("body." + body.name + ".retraction",

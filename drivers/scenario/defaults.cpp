@@ -36,9 +36,8 @@ double least_density_ratio(const surface::Shape& shape, int frequency, double re
 
 double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
                           const BodyOptions& body) {
-  // What is out of bounds is refused later.
   const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
-  if (!(radius > 0)) return 0;
+  if (!(radius >= 2)) return 0;  // refused later
   fluid::Options options;
   options.tau = fluid.tau;
   options.collision = fluid.collision;

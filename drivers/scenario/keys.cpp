@@ -379,7 +379,7 @@ const std::vector<Key<RunLimits>>& run_keys() {
              "10, or in a shorter channel its length less 2, or half its length if that is more"),
       flag("until_decided", &R::until_decided, "Stop as soon as the verdict of a pair is certain"),
       flag("stop_at_contact", &R::stop_at_contact,
-           "Stop when the surfaces of two bodies cross, which no force of the method prevents; "
+           "Stop when the markers of two bodies meet, which no force of the method prevents; "
            "false: say so and go on"),
       number(
           "checkpoint_every", &R::checkpoint_every, between(0, 1e4), "minutes",

@@ -453,6 +453,20 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
   }
 }
 
+// What is found for a body is a value that the key takes, whatever the lattice.
+TEST(Scenario, ARetractionThatWasFoundCanBeReadAgain) {
+  for (const char* kind : {"kind = 'rigid'", "laplace = 0", "laplace = 10\nshape = 'biconcave'"}) {
+    for (const char* radius : {"0.25", "0.35", "0.45"}) {
+      for (const char* tau : {"0.501", "0.6", "1.0"}) {
+        const Scenario found = read(std::string("[channel]\nnodes = 17\n[fluid]\ntau = ") + tau +
+                                        "\n[[body]]\nradius = " + radius + "\n" + kind + "\n",
+                                    "case.toml");
+        EXPECT_EQ(read(resolved_toml(found), "scenario.toml"), found) << kind << radius << tau;
+      }
+    }
+  }
+}
+
 // Fluid inside unless that is said to be otherwise, or the body is too light for it: at a = 18 dx
 // below 1 - 7.5/18 with markers on the surface, and 0.606 where they lie by default.
 TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {

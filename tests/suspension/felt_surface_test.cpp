@@ -91,6 +91,7 @@ TEST(FeltSurface, ModuliMakeUpForWhatItDoesToACapsulesForces) {
 TEST(FeltSurface, ModuliStayWithoutRetractionOrSphere) {
   EXPECT_EQ(felt_modulus_factor(surface::Sphere(7), 0, skalak(2), relaxing(1)), 1);
   EXPECT_EQ(felt_modulus_factor(surface::Biconcave(7), 0.4, skalak(2), relaxing(1)), 1);
+  EXPECT_EQ(felt_modulus_factor(surface::Sphere(7), 0.4, {}, relaxing(1)), 1);
   membrane::Moduli neo_hookean = skalak(5);
   neo_hookean.law = membrane::StrainLaw::neo_hookean;
   EXPECT_EQ(felt_modulus_factor(surface::Sphere(7), 0.5, neo_hookean, relaxing(1)),

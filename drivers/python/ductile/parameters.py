@@ -27,7 +27,8 @@ _CALLED = {
 }
 # Neither physics nor method, or said otherwise: tables whose keys every body has for itself, and
 # what follows from the lattice unless it is set.
-_LEFT_OUT = re.compile(r"name|(run|output|membrane|rigid|petsc)\..*|body\.[^.]+\.(volume_modulus|retraction)")
+_LEFT_OUT = re.compile(
+    r"name|(run|output|membrane|rigid|petsc)\..*|body\.[^.]+\.(volume_modulus|retraction)")
 
 
 def bodies(parameters):

@@ -21,6 +21,7 @@ constexpr double second_moment = 0.524;
 constexpr double magic_share = 0.4;
 // Radii between which mobility() is computed: below, the kernel is as wide as the sphere, and no
 // place is right; above, all goes as 1/a.
+constexpr double largest_retraction = 1;
 constexpr double least_radius = 3;
 constexpr double largest_radius = 100;
 
@@ -109,18 +110,18 @@ double felt_retraction(const surface::Shape& shape, const fluid::Options& fluid)
     return (0.4 * f[0] + 1.2 * f[1]) / 5 * std::pow(r / a, 3) - 1;
   };
   double low = flat;
-  double high = 1;
+  double high = largest_retraction;
   while (high - low > 1e-9) {
     const double middle = (low + high) / 2;
     (excess(middle) > 0 ? low : high) = middle;
   }
   const double curved = flat + (high - flat) * std::min(1.0, a / shape.radius());
-  return std::min(curved + by_magic(fluid), shape.radius() / 2);
+  return std::min({curved + by_magic(fluid), largest_retraction, shape.radius() / 2});
 }
 
 double felt_modulus_factor(const surface::Shape& shape, double retraction,
                            const membrane::Moduli& moduli, const fluid::Options& fluid) {
-  if (retraction == 0 || !is_sphere(shape)) return 1;
+  if (retraction == 0 || moduli.k_s == 0 || !is_sphere(shape)) return 1;
   const double a = std::clamp(shape.radius(), least_radius, largest_radius);
   const double r = a - (retraction - by_magic(fluid));
   const double dilation = dilation_over_shear(moduli);

@@ -13,7 +13,7 @@ double magic_of(const fluid::Options& fluid);
 
 /// How far inside of a shape's surface markers that stand for it must lie. A sphere held in a
 /// straining Stokes flow then has the stresslet (20/3) pi eta a^3 E of one of radius a: about 0.408
-/// + 1.43/a at tau = 1, for a below 3 that of 3, at most a/2. Any other shape: 0.408, the limit of
+/// + 1.43/a at tau = 1, for a below 3 that of 3, at most 1 and a/2. Any other shape: 0.408, the limit of
 /// flat surfaces, as its curvature varies; or less, so that two sheets of it stay apart. Either
 /// grows by 0.4 (1/4 - magic), which is measured.
 double felt_retraction(const surface::Shape& shape, const fluid::Options& fluid);
@@ -21,8 +21,8 @@ double felt_retraction(const surface::Shape& shape, const fluid::Options& fluid)
 /// What to multiply the moduli of a sphere's membrane with, `retraction` inside of its surface, so
 /// that the surface deforms in a weak shear flow as theory says of a membrane on it. The kernel
 /// takes from the fluid's answer to tangential forces, so that the force that holds a membrane in
-/// shape is to a lesser part pressure and to a larger part tangential. 1 without retraction, and of
-/// any shape that is no sphere. `moduli` tell the law and k_a/k_s.
+/// shape is to a lesser part pressure and to a larger part tangential. 1 without retraction, of
+/// no stiffness, and of any shape that is no sphere. `moduli` tell the law and k_a/k_s.
 double felt_modulus_factor(const surface::Shape& shape, double retraction,
                            const membrane::Moduli& moduli, const fluid::Options& fluid);
 
