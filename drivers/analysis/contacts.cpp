@@ -55,8 +55,8 @@ std::string description(const Plan& plan, const Contact& contact) {
   if (gap.distance < 0) {
     return fmt::format(
         "the surfaces of {} and {} overlap by {:.3g} W ({:.2f} lattice spacings) at t = {:.4g}, "
-        "their "
-        "markers being further inside: the flow between them is not resolved since t = {:.4g}",
+        "their markers being further inside: the flow between them is not resolved since t = "
+        "{:.4g}",
         who, other, -plan.units.length(gap.distance), -gap.distance, contact.time, contact.since);
   }
   return fmt::format(

@@ -406,12 +406,11 @@ Summary Recorder::summarise(RunStatus status,
   }
   for (const Contact& contact : contacts_.all()) {
     const suspension::Gap& gap = contact.smallest;
-    const double distance = gap.crossed ? std::min(0.0, gap.distance) : gap.distance;
     summary.contacts.push_back({given_.plan.bodies[gap.body].name,
                                 gap.to == suspension::Gap::To::body
                                     ? given_.plan.bodies[gap.other].name
                                     : across_name(given_.plan, gap),
-                                given_.plan.units.length(distance), distance, contact.time,
+                                given_.plan.units.length(gap.distance), gap.distance, contact.time,
                                 contact.since, contact.crossed()});
     summary.warnings.push_back(description(given_.plan, contact));
   }

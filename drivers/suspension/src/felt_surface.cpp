@@ -19,9 +19,10 @@ using std::numbers::pi;
 constexpr double second_moment = 0.524;
 // What 1/4 - magic adds to the retraction: spheres held in a stream at tau = 0.6, 0.8 and 1.
 constexpr double magic_share = 0.4;
+// Found up to here, at a radius of 3.
+constexpr double largest_retraction = 1;
 // Radii between which mobility() is computed: below, the kernel is as wide as the sphere, and no
 // place is right; above, all goes as 1/a.
-constexpr double largest_retraction = 1;
 constexpr double least_radius = 3;
 constexpr double largest_radius = 100;
 
