@@ -51,9 +51,10 @@ suspension::Interior default_interior(const ChannelOptions& channel, const BodyO
   const RigidOptions& options = body.rigid;
   // A radius of 2 is the least that is accepted, and needs no shells.
   if (body.density_ratio >= 1 || radius < 2) return suspension::Interior::fluid;
-  const double least = least_density_ratio(
-      *surface::make_shape(body.shape, radius),
-      mesh_frequency(options.frequency, options.edge, radius, half_width), options.retraction);
+  const double least =
+      least_density_ratio(*surface::make_shape(body.shape, radius),
+                          mesh_frequency(options.frequency, options.edge, radius, half_width),
+                          options.retraction.value());
   return body.density_ratio < least ? suspension::Interior::solid : suspension::Interior::fluid;
 }
 

@@ -106,6 +106,29 @@ Key<T> number(std::string_view name, double T::*member, Range range, std::string
                   default_rule, [range](const toml::node& node) { return number_of(node, range); });
 }
 
+/// A number, or the word for what the program finds by itself, which is no value.
+template <class T>
+Key<T> number_or(std::string_view name, std::optional<double> T::*member, Range range,
+                 std::string_view word, std::string_view unit, std::string_view meaning) {
+  using Value = std::optional<double>;
+  const std::string quoted = in_quotes(std::string(word));
+  const std::string expected = fmt::format("{}, or a number{}", quoted, range.text());
+  auto read = [member, range, expected, word](T& table, const toml::node& node) {
+    if (node.value<std::string>() == word) {
+      table.*member = std::nullopt;
+    } else if (const Value value = number_of(node, range)) {
+      table.*member = value;
+    } else {
+      throw Complaint{"must be " + expected + point_hint(node)};
+    }
+  };
+  auto write = [member, quoted](const T& table) {
+    const Value& value = table.*member;
+    return value ? written(*value) : quoted;
+  };
+  return {name, expected, unit, meaning, "", std::move(read), std::move(write)};
+}
+
 template <class T>
 Key<T> whole(std::string_view name, int T::*member, Range range, std::string_view unit,
              std::string_view meaning) {
@@ -281,8 +304,8 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
       number("mobility", &M::mobility, between(0, 0.1), "dx/eta",
              "Drift of the membrane through the fluid per elastic force per area: relaxes strain "
              "that the lattice cannot see; 0 is the paper's pure method"),
-      number(
-          "retraction", &M::retraction, between(0, 1), "dx",
+      number_or(
+          "retraction", &M::retraction, between(0, 1), "felt", "dx",
           "How far inside of its surface a capsule's membrane is computed, as the kernel makes it "
           "felt further out than it is; a sphere's moduli are adapted to it. 0: neither, the "
           "paper's method",
@@ -312,10 +335,11 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
       number("memory", &R::memory, between(0, 0.95), "",
              "Share of the last step's force with which a step's iterations begin: 2 iterations "
              "with 0.9 leave as little slip as 5 with 0, the paper's method"),
-      number("retraction", &R::retraction, between(0, 2), "dx",
-             "How far inside of its surface a body's markers lie, as the kernel makes it felt "
-             "further out than they are. 0: on the surface, the paper's method",
-             "what makes it felt where it is, 0.4 + 1.4 dx/a at tau = 1, and 0.2 more for a solid"),
+      number_or(
+          "retraction", &R::retraction, between(0, 2), "felt", "dx",
+          "How far inside of its surface a body's markers lie, as the kernel makes it felt "
+          "further out than they are. felt: what makes it felt where it is, 0.4 + 1.4 dx/a at "
+          "tau = 1, and 0.2 more for a solid. 0: on the surface, the paper's method"),
       choice<R, suspension::Interior>(
           "interior", &R::interior,
           {{"fluid", suspension::Interior::fluid}, {"solid", suspension::Interior::solid}},

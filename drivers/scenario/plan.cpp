@@ -23,16 +23,16 @@ suspension::CapsulePlan capsule_plan(const BodyOptions& body, const surface::Sha
   moduli.k_s = units.lattice_shear_modulus(body.laplace, radius);
   moduli.k_a = body.membrane.area_ratio * moduli.k_s;
   const double factor =
-      suspension::felt_modulus_factor(shape, body.membrane.retraction, moduli, fluid);
+      suspension::felt_modulus_factor(shape, body.membrane.retraction.value(), moduli, fluid);
   moduli.k_s *= factor;
   moduli.k_a *= factor;
   // The rate at which a mode relaxes is k_s/(eta a), times k_b/(k_s a^2) where it is bending's:
   // with the radius that the fluid feels for a, and the membrane's own in the latter.
-  const double inner = radius - body.membrane.retraction;
+  const double inner = radius - body.membrane.retraction.value();
   moduli.k_b = body.membrane.bending * moduli.k_s * inner * inner;
   moduli.k_v = units.lattice_pressure(body.membrane.volume_modulus);
   plan.mobility = body.membrane.mobility;
-  plan.retraction = body.membrane.retraction;
+  plan.retraction = body.membrane.retraction.value();
   plan.integrator = membrane::find_scheme(body.membrane.integrator);
   plan.integrator_options = {body.membrane.theta, body.membrane.substeps, body.membrane.step_cuts};
   return plan;
@@ -56,7 +56,7 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const fluid::Options& fl
     plan.kind = capsule_plan(body, *plan.shape, fluid, units);
   } else {
     plan.kind = suspension::RigidPlan{body.density_ratio, body.rigid.iterations, body.rigid.memory,
-                                      body.rigid.retraction, body.rigid.interior};
+                                      body.rigid.retraction.value(), body.rigid.interior};
   }
   return plan;
 }

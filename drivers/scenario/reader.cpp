@@ -187,18 +187,18 @@ class Reader {
       }
       read_keys(table, path, capsule_keys(), body);
       read_keys(table, path, membrane_keys(), body.membrane);
-      if (!given(table, "membrane", "retraction"))
+      if (!body.membrane.retraction)
         body.membrane.retraction = default_retraction(s.channel, s.fluid, body);
       applicable = names_of(body_keys(), capsule_keys(), membrane_keys());
     } else {
       read_keys(table, path, rigid_body_keys(), body);
       read_keys(table, path, rigid_keys(), body.rigid);
-      const bool felt = !given(table, "rigid", "retraction");
+      const bool felt = !body.rigid.retraction;
       if (felt) body.rigid.retraction = default_retraction(s.channel, s.fluid, body);
       if (!given(table, "rigid", "interior"))
         body.rigid.interior = default_interior(s.channel, body);
       if (felt && body.rigid.interior == suspension::Interior::solid)
-        body.rigid.retraction += solid_retraction;
+        *body.rigid.retraction += solid_retraction;
       applicable = names_of(body_keys(), rigid_body_keys(), rigid_keys());
     }
     for (const auto& [key, node] : table) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,8 @@ struct MembraneOptions {
   double bending = 2.87e-3;
   double volume_modulus = 75000;
   double mobility = 1e-3;
-  double retraction = 0;  ///< what default_retraction() says, unless the file does
+  /// Nothing is "felt": what default_retraction() says. A body's has a value once it is read.
+  std::optional<double> retraction;
   std::string integrator = "explicit-euler";
   double theta = 0.5;
   int substeps = 1;
@@ -66,7 +68,7 @@ struct MembraneOptions {
 struct RigidOptions {
   int iterations = 5;
   double memory = 0;
-  double retraction = 0;  ///< as a membrane's
+  std::optional<double> retraction;  ///< as a membrane's
   suspension::Interior interior = suspension::Interior::fluid;
   double edge = 1.2;
   int frequency = 0;

@@ -414,7 +414,7 @@ def _describe_map(study, found):
     caption = ("Classes of the pairs M1 to B4 over the start of the lagging body, the leading one "
                "starting at 0.2. In each cell, from the left: the paper's class (Fig. 4, which is "
                "the cell's colour too), ours with membrane mobility (clean) and ours without, the "
-               "paper's method (pure); rigid bodies (M3) know no mobility. A frame says that the "
+               "paper's method (pure); rigid bodies (M3) are computed once. A frame says that the "
                "class does not count as the paper's: of a stable pair it may swing before it "
                f"rests, of a bounded one it may come to rest. {_how(cases)}")
     alt = f"A map of 7 pairs by 5 starts: {'; '.join(texts)}."
