@@ -106,6 +106,7 @@ def draw(name, label, series, limit, axis):
     if limit is not None:
         axes.axhline(limit, color="0.6", lw=0.8)
     axes.set_xlim(left=0)
+    axes.locator_params(axis="x", nbins=5)  # more would run into each other
     axes.set_xlabel(axis)
     axes.set_ylabel(label, fontsize="small")
     axes.legend(fontsize="small", frameon=False)

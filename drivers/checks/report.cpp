@@ -17,6 +17,12 @@
 namespace ductile::drivers {
 namespace {
 
+std::string precision_text(const fluid::Options& fluid) {
+  if (fluid.storage == fluid::Precision::double_precision) return "double precision";
+  if (fluid.arithmetic == fluid::Precision::single_precision) return "single precision";
+  return "populations in single precision, arithmetic in double";
+}
+
 /// Lines of a label and a content; a line without a label goes on with the one before.
 class Lines {
  public:
@@ -51,15 +57,13 @@ void add_channel(Lines& lines, const Case& given) {
   lines.add("",
             fmt::format("half-width along y {:.6g} W, length {:.6g} W",
                         plan.units.length(plan.half_width_y()), plan.units.length(plan.length())));
-  lines.add(
-      "fluid",
-      fmt::format("tau = {}, nu = {:.6g}, {}, populations in {} precision", plan.fluid.tau,
-                  plan.units.viscosity(),
-                  plan.fluid.collision == fluid::Collision::bgk
-                      ? "bgk"
-                      : fmt::format("trt (tau_odd = {:.4g})",
-                                    0.5 + plan.fluid.magic / (plan.fluid.tau - 0.5)),
-                  plan.fluid.storage == fluid::Storage::double_precision ? "double" : "single"));
+  lines.add("fluid",
+            fmt::format("tau = {}, nu = {:.6g}, {}, {}", plan.fluid.tau, plan.units.viscosity(),
+                        plan.fluid.collision == fluid::Collision::bgk
+                            ? "bgk"
+                            : fmt::format("trt (tau_odd = {:.4g})",
+                                          0.5 + plan.fluid.magic / (plan.fluid.tau - 0.5)),
+                        precision_text(plan.fluid)));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
   if (plan.drift != 0) {

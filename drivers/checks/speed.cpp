@@ -26,11 +26,13 @@ struct Entry {
   double* value;
 };
 
-std::array<Entry, 12> entries(KnownSpeed& speed) {
+std::array<Entry, 14> entries(KnownSpeed& speed) {
   BodyCosts& bodies = speed.bodies;
   return {{{"double", &speed.fluid.double_precision},
+           {"single_storage", &speed.fluid.single_storage},
            {"single", &speed.fluid.single_precision},
            {"double_alone", &speed.alone.double_precision},
+           {"single_storage_alone", &speed.alone.single_storage},
            {"single_alone", &speed.alone.single_precision},
            {"row", &bodies.row},
            {"node", &bodies.node},
@@ -40,10 +42,6 @@ std::array<Entry, 12> entries(KnownSpeed& speed) {
            {"marker_pass", &bodies.marker_pass},
            {"implicit", &bodies.implicit},
            {"stiff", &bodies.stiff}}};
-}
-
-bool single(const suspension::Plan& plan) {
-  return plan.fluid.storage == fluid::Storage::single_precision;
 }
 
 std::filesystem::path speed_file() {
@@ -107,7 +105,9 @@ std::optional<KnownSpeed> known_speed() {
       if (!(*value >= 0)) return std::nullopt;
     }
     for (const FluidSpeed& fluid : {speed.fluid, speed.alone}) {
-      if (!(fluid.double_precision > 0) || !(fluid.single_precision > 0)) return std::nullopt;
+      if (!(fluid.double_precision > 0) || !(fluid.single_storage > 0) ||
+          !(fluid.single_precision > 0))
+        return std::nullopt;
     }
     return speed;
   } catch (const toml::parse_error&) {
@@ -116,7 +116,8 @@ std::optional<KnownSpeed> known_speed() {
 }
 
 double population_bytes(const suspension::Plan& plan) {
-  return 19.0 * (single(plan) ? 4 : 8) * static_cast<double>(plan.node_count());
+  const bool single = plan.fluid.storage == fluid::Precision::single_precision;
+  return 19.0 * (single ? 4 : 8) * static_cast<double>(plan.node_count());
 }
 
 BoxSize box_around(const suspension::BodyPlan& body) {
@@ -141,8 +142,9 @@ int core_count() {
 KnownSpeed guessed_speed(int cores) {
   KnownSpeed guess;
   guess.ranks = std::max(1, cores);
-  guess.alone = {40e6, 50e6};
+  guess.alone = {40e6, 50e6, 80e6};
   guess.fluid = {guess.alone.double_precision * guess.ranks,
+                 guess.alone.single_storage * guess.ranks,
                  guess.alone.single_precision * guess.ranks};
   guess.bodies = {500e-9, 10e-9, 30e-9, 10e-9, 700e-9, 250e-9, 3e-6, 0.5e-6};
   return guess;
@@ -151,9 +153,7 @@ KnownSpeed guessed_speed(int cores) {
 namespace {
 
 double updates(const suspension::Plan& plan, int ranks, const KnownSpeed& speed) {
-  const auto of = [&plan](const FluidSpeed& fluid) {
-    return single(plan) ? fluid.single_precision : fluid.double_precision;
-  };
+  const auto of = [&plan](FluidSpeed fluid) { return fluid.of(plan.fluid); };
   if (ranks >= speed.ranks) return of(speed.fluid);  // more were not measured
   const double share = (ranks - 1.0) / (speed.ranks - 1.0);
   return of(speed.alone) + share * (of(speed.fluid) - of(speed.alone));

@@ -9,10 +9,17 @@
 
 namespace ductile::drivers {
 
-/// Node updates a second of the fluid alone, by storage.
+/// Node updates a second of the fluid alone.
 struct FluidSpeed {
   double double_precision = 0;
-  double single_precision = 0;
+  double single_storage = 0;    ///< and arithmetic in double
+  double single_precision = 0;  ///< both
+  /// The one of them that is a fluid's with these options.
+  double& of(const fluid::Options& options) {
+    if (options.storage == fluid::Precision::double_precision) return double_precision;
+    return options.arithmetic == fluid::Precision::double_precision ? single_storage
+                                                                    : single_precision;
+  }
 };
 
 /// What bodies cost in each time step: seconds of one core. Nodes are those of the boxes around

@@ -29,8 +29,24 @@ using fluid::mpi_check;
 constexpr double seconds_a_repeat = 0.15;  // at least, of each measurement
 constexpr int populations = fluid::d3q19::Q;
 
+using enum fluid::Precision;
+constexpr std::array<BenchPrecision, 3> precisions = {{{double_precision, double_precision},
+                                                       {single_precision, double_precision},
+                                                       {single_precision, single_precision}}};
+
+std::string_view name(fluid::Precision precision) {
+  return precision == single_precision ? "single" : "double";
+}
+
+std::string title(const BenchPrecision& precision) {
+  if (precision.storage == precision.arithmetic)
+    return fmt::format("{} precision", name(precision.storage));
+  return fmt::format("{} storage, {} arithmetic", name(precision.storage),
+                     name(precision.arithmetic));
+}
+
 // The paper's pair M2 with a mesh of 20480 triangles at 90 nodes.
-suspension::Plan pair(int nodes, fluid::Storage storage) {
+suspension::Plan pair(int nodes, const BenchPrecision& precision) {
   std::string_view text;
   for (const auto& [name, scenario] : pair_scenarios()) {
     if (name == "M2") text = scenario;
@@ -38,21 +54,22 @@ suspension::Plan pair(int nodes, fluid::Storage storage) {
   const auto set = [](std::string key, std::string value) {
     return Override{std::move(key), std::move(value), "bench"};
   };
-  return parse_case(text, "M2.toml",
-                    {set("channel.nodes", fmt::format("{}", nodes)), set("membrane.edge", "0.68"),
-                     set("body.lag.x", "-0.2"),
-                     set("fluid.storage",
-                         storage == fluid::Storage::single_precision ? "single" : "double")})
+  return parse_case(
+             text, "M2.toml",
+             {set("channel.nodes", fmt::format("{}", nodes)), set("membrane.edge", "0.68"),
+              set("body.lag.x", "-0.2"), set("fluid.storage", std::string(name(precision.storage))),
+              set("fluid.arithmetic", std::string(name(precision.arithmetic)))})
       .plan;
 }
 
-fluid::Options channel(int nodes, fluid::Storage storage, fluid::Boundary walls) {
+fluid::Options channel(int nodes, const BenchPrecision& precision, fluid::Boundary walls) {
   fluid::Options options;
   options.nodes = {nodes, nodes, 6 * nodes};
   options.boundary = {walls, walls, fluid::Boundary::periodic};
   options.tau = 0.9;
   options.force = {0, 0, 1e-6};
-  options.storage = storage;
+  options.storage = precision.storage;
+  options.arithmetic = precision.arithmetic;
   return options;
 }
 
@@ -74,7 +91,7 @@ class Bench {
     mpi_check(MPI_Comm_size(comm, &ranks_), "MPI_Comm_size");
   }
 
-  BenchTable run(fluid::Storage storage);
+  BenchTable run(const BenchPrecision& precision);
 
  private:
   [[nodiscard]] double node_count() const { return 6 * std::pow(options_.nodes, 3); }
@@ -127,25 +144,45 @@ void Bench::row(BenchTable& table, const std::string& name, int ranks,
   table.rows.push_back(std::move(row));
 }
 
-BenchTable Bench::run(fluid::Storage storage) {
+// Rows of the fluid alone are compared with the same storage's arithmetic in double, where theirs
+// is single.
+BenchTable Bench::run(const BenchPrecision& precision) {
   BenchTable table;
-  table.single_precision = storage == fluid::Storage::single_precision;
-  fluid::Fluid streamed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+  table.precision = precision;
+  const int n = options_.nodes;
+  const BenchPrecision slower{precision.storage, double_precision};
+  const bool compared = precision.arithmetic == single_precision;
+  const std::string double_arithmetic = "double arithmetic";
+  fluid::Fluid streamed(comm_, channel(n, precision, fluid::Boundary::halfway));
   const auto ceiling = [&] { fluid::stream_only(streamed); };
   {
-    fluid::Fluid walls(comm_, channel(options_.nodes, storage, fluid::Boundary::regularized));
+    fluid::Fluid walls(comm_, channel(n, precision, fluid::Boundary::regularized));
+    std::optional<fluid::Fluid> other;
+    Reference reference;
+    if (compared) {
+      other.emplace(comm_, channel(n, slower, fluid::Boundary::regularized));
+      reference = {double_arithmetic, [&] { other->step(); }};
+    }
     row(
-        table, "fluid, walls on nodes", ranks_, [&] { walls.step(); }, ceiling);
+        table, "fluid, walls on nodes", ranks_, [&] { walls.step(); }, ceiling, reference);
   }
-  fluid::Fluid fluid(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
+  fluid::Fluid fluid(comm_, channel(n, precision, fluid::Boundary::halfway));
   const Reference alone{"the fluid alone", [&] { fluid.step(); }};
-  row(table, "fluid, half-way walls", ranks_, alone.step, ceiling);
+  {
+    std::optional<fluid::Fluid> other;
+    Reference reference;
+    if (compared) {
+      other.emplace(comm_, channel(n, slower, fluid::Boundary::halfway));
+      reference = {double_arithmetic, [&] { other->step(); }};
+    }
+    row(table, "fluid, half-way walls", ranks_, alone.step, ceiling, reference);
+  }
   // Rows for one rank, which works while the others wait, are compared with this.
   const std::string all_ranks = fmt::format("{} ranks", ranks_);
   if (ranks_ > 1) {
     std::optional<fluid::Fluid> one;
     if (rank_ == 0) {
-      one.emplace(MPI_COMM_SELF, channel(options_.nodes, storage, fluid::Boundary::halfway));
+      one.emplace(MPI_COMM_SELF, channel(n, precision, fluid::Boundary::halfway));
     }
     row(table, "fluid, half-way walls", 1,
         [&] {
@@ -154,12 +191,12 @@ BenchTable Bench::run(fluid::Storage storage) {
         ceiling, {all_ranks, alone.step});
   }
   {
-    fluid::Fluid boxed(comm_, channel(options_.nodes, storage, fluid::Boundary::halfway));
-    boxed.place_boxes(boxes(options_.nodes));
+    fluid::Fluid boxed(comm_, channel(n, precision, fluid::Boundary::halfway));
+    boxed.place_boxes(boxes(n));
     row(
         table, "fluid, forces in two boxes", ranks_, [&] { boxed.step(); }, ceiling, alone);
   }
-  const suspension::Plan plan = pair(options_.nodes, storage);
+  const suspension::Plan plan = pair(n, precision);
   suspension::Suspension all(plan, comm_);
   all.step();
   all.reset_profile();
@@ -237,8 +274,7 @@ void time_boxes(BodyCosts& costs, int repeats) {
       {{}, {boxes(n)[0], boxes(n)[1]}, {{{{0, n}, {0, n}, {0, 6 * n}}}}}};
   std::vector<fluid::Fluid> fluids;
   for (const std::vector<fluid::Box>& placed : cases) {
-    fluids.emplace_back(MPI_COMM_SELF,
-                        channel(n, fluid::Storage::single_precision, fluid::Boundary::halfway));
+    fluids.emplace_back(MPI_COMM_SELF, channel(n, precisions.back(), fluid::Boundary::halfway));
     fluids.back().place_boxes(placed);
   }
   std::array<std::vector<double>, 3> times;
@@ -307,12 +343,10 @@ BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
   result.ranks = ranks;
   result.cores = core_count();
   result.instruction_set = fluid::name(fluid::best_instruction_set());
-  const suspension::Plan plan = pair(options.nodes, fluid::Storage::double_precision);
+  const suspension::Plan plan = pair(options.nodes, precisions.front());
   result.triangles = static_cast<int>(surface::triangle_count(plan.bodies.front().frequency));
   Bench bench(options, comm);
-  for (const auto storage : {fluid::Storage::double_precision, fluid::Storage::single_precision}) {
-    result.tables.push_back(bench.run(storage));
-  }
+  for (const BenchPrecision& precision : precisions) result.tables.push_back(bench.run(precision));
   // On one rank, while the others wait.
   int rank = 0;
   mpi_check(MPI_Comm_rank(comm, &rank), "MPI_Comm_rank");
@@ -333,18 +367,19 @@ std::string table(const BenchResult& result) {
       result.cores, result.cores == 1 ? "" : "s", result.instruction_set, result.triangles,
       result.tables.front().rows.front().updates.size());
   for (const BenchTable& t : result.tables) {
-    const double bytes = 2 * populations * (t.single_precision ? 4 : 8);
+    const double bytes = 2 * populations * (t.precision.storage == single_precision ? 4 : 8);
     const double ceiling = median(t.ceiling);
-    text += fmt::format("\n{:<34} {:>5} {:>8} {:>8}\n",
-                        t.single_precision ? "single precision" : "double precision", "ranks",
-                        "speed", "ceiling");
+    text += fmt::format("\n{:<34} {:>5} {:>8} {:>8}\n", title(t.precision), "ranks", "speed",
+                        "ceiling");
     text += fmt::format("{:<34} {:>5} {:>8.1f} {:>8}   {:.1f} GB/s\n", "ceiling", result.ranks,
                         ceiling / 1e6, "", ceiling * bytes / 1e9);
     for (const BenchRow& row : t.rows) {
       text += fmt::format("{:<34} {:>5} {:>8.1f} {:>7.1f}%", row.name, row.ranks,
                           median(row.updates) / 1e6, 100 * median(row.fraction));
       if (!row.relative.empty() && row.ranks == result.ranks) {
-        text += fmt::format("   {:.1f}% of {}", 100 * median(row.relative), row.reference);
+        const double relative = median(row.relative);
+        text += relative < 1 ? fmt::format("   {:.1f}% of {}", 100 * relative, row.reference)
+                             : fmt::format("   {:.2f} times {}", relative, row.reference);
       } else if (!row.relative.empty()) {
         text +=
             fmt::format("   {} are {:.2f} times as fast", row.reference, 1 / median(row.relative));
@@ -360,8 +395,8 @@ std::string table(const BenchResult& result) {
       "rigid body\nin each of its rounds\n",
       1e6 * b.marker, 1e6 * b.implicit, 1e6 * b.stiff, 1e6 * b.marker_pass);
   for (const BenchTable& t : result.tables) {
-    text += fmt::format("\nthe step with two capsules, {} precision:\n{}",
-                        t.single_precision ? "single" : "double", table(t.coupled));
+    text +=
+        fmt::format("\nthe step with two capsules, {}:\n{}", title(t.precision), table(t.coupled));
   }
   return text;
 }
@@ -389,7 +424,8 @@ std::string json(const BenchResult& result) {
   json.open('[', "tables");
   for (const BenchTable& t : result.tables) {
     json.open('{');
-    json.add("storage", t.single_precision ? "single" : "double");
+    json.add("storage", name(t.precision.storage));
+    json.add("arithmetic", name(t.precision.arithmetic));
     json.add("ceiling", std::span<const double>(t.ceiling));
     json.open('[', "rows");
     for (const BenchRow& row : t.rows) {
@@ -429,10 +465,11 @@ KnownSpeed speed_of(const BenchResult& result) {
     const auto updates = [&table](int ranks) {
       return median(find(table, "fluid, half-way walls", ranks).updates);
     };
-    const auto member =
-        table.single_precision ? &FluidSpeed::single_precision : &FluidSpeed::double_precision;
-    speed.fluid.*member = updates(result.ranks);
-    speed.alone.*member = updates(1);
+    fluid::Options options;
+    options.storage = table.precision.storage;
+    options.arithmetic = table.precision.arithmetic;
+    speed.fluid.of(options) = updates(result.ranks);
+    speed.alone.of(options) = updates(1);
   }
   return speed;
 }

@@ -31,9 +31,15 @@ struct BenchRow {
   std::vector<double> relative;  ///< speed over the reference's, likewise
 };
 
-/// One storage of the populations.
+/// Of the populations and of the collision.
+struct BenchPrecision {
+  fluid::Precision storage;
+  fluid::Precision arithmetic;
+};
+
+/// One precision.
 struct BenchTable {
-  bool single_precision = false;
+  BenchPrecision precision{};
   std::vector<double> ceiling;  ///< updates a second on all ranks, of every repeat of every row
   std::vector<BenchRow> rows;
   RunProfile coupled;  ///< of the coupled step on all ranks

@@ -262,6 +262,9 @@ const std::vector<Key<ChannelOptions>>& channel_keys() {
 
 const std::vector<Key<FluidOptions>>& fluid_keys() {
   using F = FluidOptions;
+  const std::vector<std::pair<std::string_view, fluid::Precision>> precisions = {
+      {"double", fluid::Precision::double_precision},
+      {"single", fluid::Precision::single_precision}};
   static const std::vector<Key<F>> keys = {
       number("tau", &F::tau, above(0.5, 1), "",
              "Relaxation time; nu = (tau - 1/2)/3 in lattice units sets the time step", "",
@@ -279,11 +282,13 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
           "what the flow at the start would carry them with. Errors that grow with a body's "
           "velocity on the lattice, in its lift above all, then all but vanish; "
           "results are told in the walls' frame either way"),
-      choice<F, fluid::Storage>("storage", &F::storage,
-                                {{"double", fluid::Storage::double_precision},
-                                 {"single", fluid::Storage::single_precision}},
-                                "Precision in which the populations are stored; arithmetic is "
-                                "always double"),
+      choice<F, fluid::Precision>("storage", &F::storage, precisions,
+                                  "Precision in which the populations are stored"),
+      choice<F, fluid::Precision>(
+          "arithmetic", &F::arithmetic, precisions,
+          "Precision in which the fluid collides; single needs single "
+          "storage. Bodies and forces on them are always computed in double",
+          "the storage's"),
   };
   return keys;
 }
@@ -307,10 +312,9 @@ const std::vector<Key<MembraneOptions>>& membrane_keys() {
       number_or(
           "retraction", &M::retraction, between(0, 1), "felt", "dx",
           "How far inside of its surface a capsule's membrane is computed, as the kernel makes it "
-          "felt further out than it is; a sphere's moduli are adapted to it. 0: neither, the "
-          "paper's method",
-          "what makes it felt where it is, 0.4 + 1.4 dx/a for a sphere and 0.4 for a cell at "
-          "tau = 1"),
+          "felt further out than it is; a sphere's moduli are adapted to it. felt: what makes it "
+          "felt where it is, 0.4 + 1.4 dx/a for a sphere and 0.4 for a cell at tau = 1. "
+          "0: neither, the paper's method"),
       choice<M, std::string>("integrator", &M::integrator, themselves(membrane::integrator_names()),
                              "How the membrane advances in time; implicit: at any stiffness"),
       number("theta", &M::theta, between(0.5, 1), "",

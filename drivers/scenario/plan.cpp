@@ -94,6 +94,7 @@ fluid::Options fluid_options(const ChannelOptions& channel, const FluidOptions& 
   fluid.collision = options.collision;
   fluid.magic = options.magic;
   fluid.storage = options.storage;
+  fluid.arithmetic = options.arithmetic;
   return fluid;
 }
 

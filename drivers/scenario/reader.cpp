@@ -30,7 +30,7 @@ class Reader {
     read_keys(document_.root(), "", root_keys(), s);
     if (s.name.empty()) s.name = name_from(document_.file());
     read_table("channel", channel_keys(), s.channel);
-    read_table("fluid", fluid_keys(), s.fluid);
+    read_fluid(s.fluid);
     s.membrane.volume_modulus = default_volume_modulus(s.channel, s.fluid);
     read_table("membrane", membrane_keys(), s.membrane);
     read_table("rigid", rigid_keys(), s.rigid);
@@ -100,6 +100,18 @@ class Reader {
     if (table == nullptr) return;
     check_known(*table, name + ".", names_of(keys));
     read_keys(*table, name + ".", keys, out);
+  }
+
+  void read_fluid(FluidOptions& fluid) const {
+    read_table("fluid", fluid_keys(), fluid);
+    const auto* table = document_.root()["fluid"].as_table();
+    const toml::node* arithmetic = table == nullptr ? nullptr : table->get("arithmetic");
+    if (arithmetic == nullptr) {
+      fluid.arithmetic = fluid.storage;
+    } else if (fluid.arithmetic == fluid::Precision::single_precision &&
+               fluid.storage == fluid::Precision::double_precision) {
+      document_.fail("fluid.arithmetic", *arithmetic, "needs fluid.storage = \"single\"");
+    }
   }
 
   void read_petsc(Scenario& s) const {

@@ -42,7 +42,8 @@ struct FluidOptions {
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
   LatticeFrame frame = LatticeFrame::bodies;
-  fluid::Storage storage = fluid::Storage::single_precision;  ///< doc/precision.md
+  fluid::Precision storage = fluid::Precision::single_precision;     ///< doc/precision.md
+  fluid::Precision arithmetic = fluid::Precision::single_precision;  ///< unless told, the storage's
   bool operator==(const FluidOptions&) const = default;
 };
 

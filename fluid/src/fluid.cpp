@@ -56,6 +56,10 @@ Options validated(int ranks, Options options) {
     }
     if (options.force.y() != 0) reject("a force along y is not symmetric about a mirror plane");
   }
+  if (options.arithmetic == Precision::single_precision &&
+      options.storage == Precision::double_precision) {
+    reject("arithmetic in single precision needs populations stored in single precision");
+  }
   if (options.nodes[2] < ranks) {
     reject(std::to_string(options.nodes[2]) + " planes cannot be shared by " +
            std::to_string(ranks) + " ranks; use fewer ranks");

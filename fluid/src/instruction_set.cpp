@@ -37,16 +37,17 @@ std::string_view name(InstructionSet set) {
   return "baseline";
 }
 
-template <class Real>
+template <class Real, class T>
 const Kernel<Real>& kernel(InstructionSet set) {
 #ifdef DUCTILE_X86
-  if (set == InstructionSet::avx512) return avx512::kernel<Real>();
-  if (set == InstructionSet::avx2) return avx2::kernel<Real>();
+  if (set == InstructionSet::avx512) return avx512::kernel<Real, T>();
+  if (set == InstructionSet::avx2) return avx2::kernel<Real, T>();
 #endif
-  return baseline::kernel<Real>();
+  return baseline::kernel<Real, T>();
 }
 
-template const Kernel<double>& kernel(InstructionSet set);
-template const Kernel<float>& kernel(InstructionSet set);
+template const Kernel<double>& kernel<double, double>(InstructionSet set);
+template const Kernel<float>& kernel<float, double>(InstructionSet set);
+template const Kernel<float>& kernel<float, float>(InstructionSet set);
 
 }  // namespace ductile::fluid

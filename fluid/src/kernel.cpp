@@ -3,6 +3,10 @@
 // function with external linkage might be linked from here into code for a lesser machine.
 #include "kernel.hpp"
 
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
 #ifdef __AVX__
 #include <immintrin.h>
 #endif
@@ -11,14 +15,6 @@ namespace ductile::fluid {
 namespace {
 
 using d3q19::pairs;
-
-#if defined(__AVX512F__)
-constexpr int widest = 8;
-#elif defined(__AVX__)
-constexpr int widest = 4;
-#else
-constexpr int widest = 2;
-#endif
 
 // N numbers side by side, a plain number for N = 1. Arithmetic is that of the numbers.
 template <class T, int N>
@@ -29,71 +25,140 @@ template <class T>
 struct LanesOf<T, 1> {
   using type = T;
 };
-template <int N>
-using Lanes = typename LanesOf<double, N>::type;
+template <class T, int N>
+using Lanes = typename LanesOf<T, N>::type;
 
-template <int N, class Stored>
-[[gnu::always_inline]] inline Lanes<N> widen(Stored values) {
-  if constexpr (N == 1) {
-    return static_cast<double>(values);
+// What the lanes V are made of, and how many they are.
+template <class V>
+struct Of {
+  using Number = std::remove_cvref_t<decltype(std::declval<V&>()[0])>;
+};
+template <>
+struct Of<float> {
+  using Number = float;
+};
+template <>
+struct Of<double> {
+  using Number = double;
+};
+template <class V>
+using Number = typename Of<V>::Number;
+template <class V>
+constexpr int count = sizeof(V) / sizeof(Number<V>);
+
+constexpr int register_bytes =
+#if defined(__AVX512F__)
+    64;
+#elif defined(__AVX__)
+    32;
+#else
+    16;
+#endif
+// The most numbers of a kind that the processor computes at a time.
+template <class T>
+constexpr int widest = register_bytes / sizeof(T);
+
+// As many numbers of another precision, exact or rounded to nearest.
+template <class To, class From>
+[[gnu::always_inline]] inline To convert(From values) {
+  if constexpr (sizeof(To) == sizeof(From)) {
+    return values;
+  } else if constexpr (count<To> == 1) {
+    return static_cast<To>(values);
   } else {
-    // g++ 12 makes __builtin_convertvector of four or eight single numbers in pieces.
-    if constexpr (sizeof(Stored) == N * sizeof(float)) {
+    // g++ 12 makes __builtin_convertvector of these in pieces.
 #ifdef __AVX512F__
-      if constexpr (N == 8) return _mm512_maskz_cvtps_pd(0xff, values);
+    if constexpr (sizeof(From) == 32 && sizeof(To) == 64)
+      return _mm512_maskz_cvtps_pd(0xff, values);
+    if constexpr (sizeof(From) == 64 && sizeof(To) == 32)
+      return _mm512_maskz_cvtpd_ps(0xff, values);
 #endif
 #ifdef __AVX__
-      if constexpr (N == 4) return _mm256_cvtps_pd(values);
+    if constexpr (sizeof(From) == 16 && sizeof(To) == 32) return _mm256_cvtps_pd(values);
+    if constexpr (sizeof(From) == 32 && sizeof(To) == 16) return _mm256_cvtpd_ps(values);
 #endif
-    }
-    return __builtin_convertvector(values, Lanes<N>);
+    return __builtin_convertvector(values, To);
   }
 }
 
-template <int N, class Real>
-[[gnu::always_inline]] inline Lanes<N> load(const Real* from) {
-  typename LanesOf<Real, N>::type values;
-  __builtin_memcpy(&values, from, sizeof values);
-  return widen<N>(values);
-}
+template <class V>
+using Half = Lanes<Number<V>, count<V> / 2>;
 
-template <int N, class Real>
-[[gnu::always_inline]] inline void store(Real* to, Lanes<N> value) {
-  using Stored = typename LanesOf<Real, N>::type;
-  Stored values;
-  if constexpr (N == 1) {
-    values = static_cast<Real>(value);
+template <class V, std::size_t... k>
+[[gnu::always_inline]] inline V joined(Half<V> low, Half<V> high, std::index_sequence<k...>) {
+  if constexpr (count<V> == 2) {
+    return V{low, high};
   } else {
-    values = __builtin_convertvector(value, Stored);
+    return __builtin_shufflevector(low, high, k...);
   }
-  __builtin_memcpy(to, &values, sizeof values);
+}
+template <int from, class V, std::size_t... k>
+[[gnu::always_inline]] inline Half<V> part(V value, std::index_sequence<k...>) {
+  if constexpr (count<V> == 2) {
+    return value[from];
+  } else {
+    return __builtin_shufflevector(value, value, (from + k)...);
+  }
 }
 
-template <int N>
-[[gnu::always_inline]] inline Lanes<N> all(double value) {
-  return value - Lanes<N>{};
+// Numbers that fill more than a register, being wider than those that they become, come and go by
+// halves.
+template <class V, class T>
+[[gnu::always_inline]] inline V load(const T* from) {
+  constexpr int n = count<V>;
+  if constexpr (n * sizeof(T) > register_bytes) {
+    return joined<V>(load<Half<V>>(from), load<Half<V>>(from + n / 2),
+                     std::make_index_sequence<n>{});
+  } else {
+    Lanes<T, n> values;
+    __builtin_memcpy(&values, from, sizeof values);
+    return convert<V>(values);
+  }
+}
+
+template <class T, class V>
+[[gnu::always_inline]] inline void store(T* to, V value) {
+  constexpr int n = count<V>;
+  if constexpr (n * sizeof(T) > register_bytes) {
+    store(to, part<0>(value, std::make_index_sequence<n / 2>{}));
+    store(to + n / 2, part<n / 2>(value, std::make_index_sequence<n / 2>{}));
+  } else {
+    const auto values = convert<Lanes<T, n>>(value);
+    __builtin_memcpy(to, &values, sizeof values);
+  }
+}
+
+template <class V>
+[[gnu::always_inline]] inline V all(Number<V> value) {
+  return value - V{};
 }
 
 // a + b and a - b by the units that multiply and add, a product with one being exact: the same to
 // the last bit. The kernel has many more sums than products, and where a processor has separate
 // units for the two this shares out the work.
-template <int N>
-[[gnu::always_inline]] inline Lanes<N> plus(Lanes<N> a, Lanes<N> b) {
+template <class V>
+[[gnu::always_inline]] inline V plus(V a, V b) {
 #ifdef __FMA__
+  constexpr bool single = sizeof(Number<V>) == sizeof(float);
 #ifdef __AVX512F__
-  if constexpr (N == 8) return _mm512_fmadd_pd(a, _mm512_set1_pd(1), b);
+  if constexpr (sizeof(V) == 64 && single) return _mm512_fmadd_ps(a, _mm512_set1_ps(1), b);
+  if constexpr (sizeof(V) == 64 && !single) return _mm512_fmadd_pd(a, _mm512_set1_pd(1), b);
 #endif
-  if constexpr (N == 4) return _mm256_fmadd_pd(a, _mm256_set1_pd(1), b);
+  if constexpr (sizeof(V) == 32 && single) return _mm256_fmadd_ps(a, _mm256_set1_ps(1), b);
+  if constexpr (sizeof(V) == 32 && !single) return _mm256_fmadd_pd(a, _mm256_set1_pd(1), b);
 #endif
   return a + b;
 }
-template <int N>
-[[gnu::always_inline]] inline Lanes<N> minus(Lanes<N> a, Lanes<N> b) {
+template <class V>
+[[gnu::always_inline]] inline V minus(V a, V b) {
 #ifdef __FMA__
+  constexpr bool single = sizeof(Number<V>) == sizeof(float);
 #ifdef __AVX512F__
-  if constexpr (N == 8) return _mm512_fnmadd_pd(b, _mm512_set1_pd(1), a);
+  if constexpr (sizeof(V) == 64 && single) return _mm512_fnmadd_ps(b, _mm512_set1_ps(1), a);
+  if constexpr (sizeof(V) == 64 && !single) return _mm512_fnmadd_pd(b, _mm512_set1_pd(1), a);
 #endif
-  if constexpr (N == 4) return _mm256_fnmadd_pd(b, _mm256_set1_pd(1), a);
+  if constexpr (sizeof(V) == 32 && single) return _mm256_fnmadd_ps(b, _mm256_set1_ps(1), a);
+  if constexpr (sizeof(V) == 32 && !single) return _mm256_fnmadd_pd(b, _mm256_set1_pd(1), a);
 #endif
   return a - b;
 }
@@ -138,41 +203,41 @@ template <int p, class T>
   }
 }
 
-// The populations of N nodes less their rest weights: sums t and differences d of each pair.
-template <int N>
+// The populations of some nodes less their rest weights: sums t and differences d of each pair.
+template <class V>
 struct Nodes {
-  Lanes<N> rest;
-  Lanes<N> t[pairs];
-  Lanes<N> d[pairs];
+  V rest;
+  V t[pairs];
+  V d[pairs];
 };
 
-template <int N, class Real>
-[[gnu::always_inline]] inline Nodes<N> load_nodes(const Row<Real>& row, int k) {
-  Nodes<N> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
-  nodes.rest = load<N>(row.rest + k);
+template <class V, class Real>
+[[gnu::always_inline]] inline Nodes<V> load_nodes(const Row<Real>& row, int k) {
+  Nodes<V> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
+  nodes.rest = load<V>(row.rest + k);
   for_pairs([&]<int p>() __attribute__((always_inline)) {
-    const Lanes<N> f = load<N>(row.plus[p] + k);
-    const Lanes<N> opposite = load<N>(row.minus[p] + k);
-    nodes.t[p] = plus<N>(f, opposite);
-    nodes.d[p] = minus<N>(f, opposite);
+    const V f = load<V>(row.plus[p] + k);
+    const V opposite = load<V>(row.minus[p] + k);
+    nodes.t[p] = plus<V>(f, opposite);
+    nodes.d[p] = minus<V>(f, opposite);
   });
   return nodes;
 }
 
-template <int N>
+template <class V>
 struct Moments {
-  Lanes<N> density_less_one;
-  Lanes<N> x;
-  Lanes<N> y;
-  Lanes<N> z;
+  V density_less_one;
+  V x;
+  V y;
+  V z;
 };
 
 // The pairs in the order of d3q19::e: x y z xy x-y xz x-z yz y-z. Short chains of additions.
-template <int N>
-[[gnu::always_inline]] inline Moments<N> moments_of(const Nodes<N>& nodes) {
+template <class V>
+[[gnu::always_inline]] inline Moments<V> moments_of(const Nodes<V>& nodes) {
   const auto& t = nodes.t;
   const auto& d = nodes.d;
-  Moments<N> m;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
+  Moments<V> m;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
   m.density_less_one =
       (((t[3] + t[4]) + (t[5] + t[6])) + ((t[7] + t[8]) + (t[0] + t[1]))) + (t[2] + nodes.rest);
   m.x = ((d[3] + d[4]) + (d[5] + d[6])) + d[0];
@@ -181,12 +246,54 @@ template <int N>
   return m;
 }
 
-template <int N>
+template <class V>
 struct Vector {
-  Lanes<N> x;
-  Lanes<N> y;
-  Lanes<N> z;
+  V x;
+  V y;
+  V z;
 };
+
+// The weight of the diagonals.
+constexpr double w = 1.0 / 36;
+static_assert(d3q19::w(7) == w);
+
+template <class V>
+constexpr bool is_single = sizeof(Number<V>) == sizeof(float);
+
+template <class V>
+[[gnu::always_inline]] inline Vector<V> combined(double a, const Vector<V>& x, double b,
+                                                 const Vector<V>& y) {
+  const auto of_x = static_cast<Number<V>>(a);
+  const auto of_y = static_cast<Number<V>>(b);
+  return {of_x * x.x + of_y * y.x, of_x * x.y + of_y * y.y, of_x * x.z + of_y * y.z};
+}
+
+// What the odd parts of pairs relax to and gain, along the axes: of the momentum m, that is j
+// without the force, and of the force F. In double precision q of relax(), and nothing beside.
+//
+// In single precision rounding must not lean to one side, or it is momentum gained in every step:
+// 1e-5 of a channel's flow. What leans is a factor that is rounded, as 1/12 would be by 3e-8, even
+// where the rest of it is made up for; a product whose factor is a simple fraction, as 1 - w- is;
+// and a constant force that is added to numbers of which the last digit is worth a part of it. So
+// there q is m/12, by a division, which is right to the last digit, and relaxation takes w- of what
+// d differs from its equilibrium by; the force is put beside q, and added to the even part of a
+// pair, the digits of which are worth less.
+template <class V>
+struct Odd {
+  Vector<V> q;
+  Vector<V> beside;
+};
+template <class V>
+[[gnu::always_inline]] inline Odd<V> odd_of(double wm, const Vector<V>& m, const Vector<V>& j,
+                                            const Vector<V>& force) {
+  if constexpr (is_single<V>) {
+    constexpr Number<V> c = 12;
+    constexpr auto b = static_cast<Number<V>>(3 * w);
+    return {{m.x / c, m.y / c, m.z / c}, {b * force.x, b * force.y, b * force.z}};
+  } else {
+    return {combined(w * 3 * wm, j, w * 3 * (1 - 0.5 * wm), force), Vector<V>{}};
+  }
+}
 
 // Relaxes nodes of density 1 + drho, velocity u and momentum j = rho u towards equilibrium under
 // the force F, eqs. (2)-(4), and writes their populations back, those of each pair exchanged. With
@@ -196,71 +303,82 @@ struct Vector {
 // r = 9/2 w+ j + 9 g+ F and q = 3 w- j + 3 g- F turn this into
 //   t* = (1 - w+) t + 2 w_i [w+ drho - u.r/3 + (c.u)(c.r)],   d* = (1 - w-) d + 2 w_i c.q.
 // Both are scaled by 1/36, the weight of the diagonals.
-template <int N, class Real>
-[[gnu::always_inline]] inline void relax(const Row<Real>& row, int k, const Nodes<N>& nodes,
-                                         const Relaxation& relaxation, Lanes<N> drho,
-                                         const Vector<N>& u, const Vector<N>& j,
-                                         const Vector<N>& force) {
-  constexpr double w = 1.0 / 36;
-  static_assert(d3q19::w(7) == w);
+template <class V, class Real>
+[[gnu::always_inline]] inline void relax(const Row<Real>& row, int k, const Nodes<V>& nodes,
+                                         const Relaxation& relaxation, V drho, const Vector<V>& u,
+                                         const Vector<V>& m, const Vector<V>& j,
+                                         const Vector<V>& force) {
+  using T = Number<V>;
   const double wp = relaxation.omega_plus;
   const double wm = relaxation.omega_minus;
-  const auto combine = [](double a, const Vector<N>& x, double b, const Vector<N>& y)
-      __attribute__((always_inline)) {
-    return Vector<N>{a * x.x + b * y.x, a * x.y + b * y.y, a * x.z + b * y.z};
+  const Vector<V> r = combined(w * 4.5 * wp, j, w * 9 * (1 - 0.5 * wp), force);
+  const auto [q, beside] = odd_of(wm, m, j, force);
+
+  const V xx = u.x * r.x;
+  const V yy = u.y * r.y;
+  const V zz = u.z * r.z;
+  const V xy = u.x * r.y + u.y * r.x;
+  const V xz = u.x * r.z + u.z * r.x;
+  const V yz = u.y * r.z + u.z * r.y;
+  V ur = (xx + yy) + zz;
+  const V third = (T{1} / T{3}) * ur;
+  if constexpr (is_single<V>) ur = T{3} * third;  // lest the rounding of 1/3 be mass
+  const V s = static_cast<T>(w * wp) * drho - third;
+
+  const T keep_even = static_cast<T>(0.5 * (1 - wp));
+  store(row.rest + k, static_cast<T>(1 - wp) * nodes.rest + T{12} * s);
+  const auto put = [&]<int p>(V even, V odd, V more) __attribute__((always_inline)) {
+    const V t = keep_even * nodes.t[p] + even;
+    if constexpr (is_single<V>) {
+      const V half = T{0.5} * nodes.d[p];
+      const V d = half - static_cast<T>(wm) * (half - odd);
+      store(row.minus[p] + k, plus(plus(t, more), d));
+      store(row.plus[p] + k, (t - more) - d);
+    } else {
+      const T keep_odd = static_cast<T>(0.5 * (1 - wm));
+      const V d = keep_odd * nodes.d[p] + odd;
+      store(row.minus[p] + k, plus(t, d));
+      store(row.plus[p] + k, t - d);
+    }
   };
-  const Vector<N> r = combine(w * 4.5 * wp, j, w * 9 * (1 - 0.5 * wp), force);
-  const Vector<N> q = combine(w * 3 * wm, j, w * 3 * (1 - 0.5 * wm), force);
-
-  const Lanes<N> xx = u.x * r.x;
-  const Lanes<N> yy = u.y * r.y;
-  const Lanes<N> zz = u.z * r.z;
-  const Lanes<N> xy = u.x * r.y + u.y * r.x;
-  const Lanes<N> xz = u.x * r.z + u.z * r.x;
-  const Lanes<N> yz = u.y * r.z + u.z * r.y;
-  const Lanes<N> ur = (xx + yy) + zz;
-  const Lanes<N> s = (w * wp) * drho - (1.0 / 3) * ur;
-
-  const double keep_even = 0.5 * (1 - wp);
-  const double keep_odd = 0.5 * (1 - wm);
-  store<N>(row.rest + k, (1 - wp) * nodes.rest + 12.0 * s);
-  const auto put = [&]<int p>(Lanes<N> even, Lanes<N> odd) __attribute__((always_inline)) {
-    const Lanes<N> t = keep_even * nodes.t[p] + even;
-    const Lanes<N> d = keep_odd * nodes.d[p] + odd;
-    store<N>(row.minus[p] + k, plus<N>(t, d));
-    store<N>(row.plus[p] + k, t - d);
-  };
-  put.template operator()<0>(2.0 * (s + xx), 2.0 * q.x);
-  put.template operator()<1>(2.0 * (s + yy), 2.0 * q.y);
-  put.template operator()<2>(2.0 * (s + zz), 2.0 * q.z);
-  const Lanes<N> s_all = s + ur;
-  const Lanes<N> s_xy = s_all - zz;
-  put.template operator()<3>(s_xy + xy, q.x + q.y);
-  put.template operator()<4>(s_xy - xy, q.x - q.y);
-  const Lanes<N> s_xz = s_all - yy;
-  put.template operator()<5>(s_xz + xz, q.x + q.z);
-  put.template operator()<6>(s_xz - xz, q.x - q.z);
-  const Lanes<N> s_yz = s_all - xx;
-  put.template operator()<7>(s_yz + yz, q.y + q.z);
-  put.template operator()<8>(s_yz - yz, q.y - q.z);
+  constexpr T two = 2;
+  put.template operator()<0>(two * (s + xx), two * q.x, two * beside.x);
+  put.template operator()<1>(two * (s + yy), two * q.y, two * beside.y);
+  put.template operator()<2>(two * (s + zz), two * q.z, two * beside.z);
+  const V s_all = s + ur;
+  const V s_xy = s_all - zz;
+  put.template operator()<3>(s_xy + xy, q.x + q.y, beside.x + beside.y);
+  put.template operator()<4>(s_xy - xy, q.x - q.y, beside.x - beside.y);
+  const V s_xz = s_all - yy;
+  put.template operator()<5>(s_xz + xz, q.x + q.z, beside.x + beside.z);
+  put.template operator()<6>(s_xz - xz, q.x - q.z, beside.x - beside.z);
+  const V s_yz = s_all - xx;
+  put.template operator()<7>(s_yz + yz, q.y + q.z, beside.y + beside.z);
+  put.template operator()<8>(s_yz - yz, q.y - q.z, beside.y - beside.z);
 }
 
-template <int N>
-[[gnu::always_inline]] inline Vector<N> load_vector(const double* const* from, int k) {
-  return {load<N>(from[0] + k), load<N>(from[1] + k), load<N>(from[2] + k)};
+template <class V>
+[[gnu::always_inline]] inline Vector<V> load_vector(const double* const* from, int k) {
+  return {load<V>(from[0] + k), load<V>(from[1] + k), load<V>(from[2] + k)};
 }
-template <int N>
-[[gnu::always_inline]] inline void store_vector(double* const* to, int k, const Vector<N>& v) {
-  store<N>(to[0] + k, v.x);
-  store<N>(to[1] + k, v.y);
-  store<N>(to[2] + k, v.z);
+template <class V>
+[[gnu::always_inline]] inline void store_vector(double* const* to, int k, const Vector<V>& v) {
+  store(to[0] + k, v.x);
+  store(to[1] + k, v.y);
+  store(to[2] + k, v.z);
 }
 
-template <bool local, int N>
-[[gnu::always_inline]] inline Vector<N> force_at(const RowForce& force, int k) {
-  Vector<N> f = {all<N>(force.uniform[0]), all<N>(force.uniform[1]), all<N>(force.uniform[2])};
+template <class V>
+[[gnu::always_inline]] inline Vector<V> uniform(const double* v) {
+  using T = Number<V>;
+  return {all<V>(static_cast<T>(v[0])), all<V>(static_cast<T>(v[1])), all<V>(static_cast<T>(v[2]))};
+}
+
+template <bool local, class V>
+[[gnu::always_inline]] inline Vector<V> force_at(const RowForce& force, int k) {
+  Vector<V> f = uniform<V>(force.uniform);
   if constexpr (local) {
-    const Vector<N> more = load_vector<N>(force.local, k);
+    const Vector<V> more = load_vector<V>(force.local, k);
     f = {f.x + more.x, f.y + more.y, f.z + more.z};
   }
   return f;
@@ -289,69 +407,73 @@ struct WallRule {
       : u{wall.velocity[0], wall.velocity[1], wall.velocity[2]},
         f{force.uniform[0], force.uniform[1], force.uniform[2]} {}
 
-  template <int N>
+  template <class V>
   struct Known {
-    Lanes<N> rest;
-    Lanes<N> plus[pairs];
-    Lanes<N> minus[pairs];
+    V rest;
+    V plus[pairs];
+    V minus[pairs];
   };
 
-  template <int N, class Real>
-  [[gnu::always_inline]] static Known<N> load_known(const Row<Real>& row, int k) {
-    Known<N> known;  // NOLINT(cppcoreguidelines-pro-type-member-init): the unknown are not read
-    known.rest = load<N>(row.rest + k);
+  template <class V, class Real>
+  [[gnu::always_inline]] static Known<V> load_known(const Row<Real>& row, int k) {
+    Known<V> known;  // NOLINT(cppcoreguidelines-pro-type-member-init): the unknown are not read
+    known.rest = load<V>(row.rest + k);
     for_pairs([&]<int p>() __attribute__((always_inline)) {
-      if constexpr (counted<p, 1, nx, ny> != 0) known.plus[p] = load<N>(row.plus[p] + k);
-      if constexpr (counted<p, -1, nx, ny> != 0) known.minus[p] = load<N>(row.minus[p] + k);
+      if constexpr (counted<p, 1, nx, ny> != 0) known.plus[p] = load<V>(row.plus[p] + k);
+      if constexpr (counted<p, -1, nx, ny> != 0) known.minus[p] = load<V>(row.minus[p] + k);
     });
     return known;
   }
 
   // rho = sum_known (1 - c.n_x)(1 - c.n_y) f - F.(n_x + n_y)/2, with u.n = 0 for either wall. Both
   // of a pair are known only if they run along the wall, and then each counts once.
-  template <int N>
-  [[gnu::always_inline]] Lanes<N> density_less_one(const Known<N>& known) const {
-    Lanes<N> drho = known.rest - 0.5 * (nx * f[0] + ny * f[1]);
+  template <class V>
+  [[gnu::always_inline]] V density_less_one(const Known<V>& known) const {
+    using T = Number<V>;
+    V drho = known.rest - static_cast<T>(0.5 * (nx * f[0] + ny * f[1]));
     for_pairs([&]<int p>() __attribute__((always_inline)) {
       constexpr int a = counted<p, 1, nx, ny>;
       constexpr int b = counted<p, -1, nx, ny>;
       if constexpr (a > 0 && b > 0) {
         drho += known.plus[p] + known.minus[p];
       } else if constexpr (a > 0) {
-        drho += double{a} * known.plus[p];
+        drho += T{a} * known.plus[p];
       } else if constexpr (b > 0) {
-        drho += double{b} * known.minus[p];
+        drho += T{b} * known.minus[p];
       }
     });
     return drho;
   }
 
-  template <int N, class Real>
+  template <class V, class Real>
   [[gnu::always_inline]] void collide_nodes(const Row<Real>& row, int k,
                                             const Relaxation& relaxation) const {
-    Nodes<N> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
-    const Known<N> known = load_known<N>(row, k);
+    using T = Number<V>;
+    constexpr T two = 2;
+    Nodes<V> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
+    const Known<V> known = load_known<V>(row, k);
     const double uu = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    const Lanes<N> drho = density_less_one<N>(known);
-    const Lanes<N> rho = 1.0 + drho;
-    Lanes<N> pxx{};
-    Lanes<N> pyy{};
-    Lanes<N> pzz{};
-    Lanes<N> pxy{};
-    Lanes<N> pxz{};
-    Lanes<N> pyz{};
+    const V drho = density_less_one<V>(known);
+    const V rho = T{1} + drho;
+    V pxx{};
+    V pyy{};
+    V pzz{};
+    V pxy{};
+    V pxz{};
+    V pyz{};
     if constexpr (!edge) {
       for_pairs([&]<int p>() __attribute__((always_inline)) {
         const double cu = along<p>(u[0], u[1], u[2]);
-        const Lanes<N> even = weight<p> * (drho + rho * (4.5 * cu * cu - uu));
-        const Lanes<N> odd = (weight<p> * 3 * cu) * rho;
-        Lanes<N> t;  // non-equilibrium of both populations of the pair
+        const V even =
+            static_cast<T>(weight<p>) * (drho + rho * static_cast<T>(4.5 * cu * cu - uu));
+        const V odd = static_cast<T>(weight<p> * 3 * cu) * rho;
+        V t;  // non-equilibrium of both populations of the pair
         if constexpr (counted<p, 1, nx, ny> == 0) {
-          t = 2.0 * (known.minus[p] - (even - odd));
+          t = two * (known.minus[p] - (even - odd));
         } else if constexpr (counted<p, -1, nx, ny> == 0) {
-          t = 2.0 * (known.plus[p] - (even + odd));
+          t = two * (known.plus[p] - (even + odd));
         } else {
-          t = (known.plus[p] + known.minus[p]) - 2.0 * even;
+          t = (known.plus[p] + known.minus[p]) - two * even;
         }
         add<ex<p> * ex<p>>(pxx, t);
         add<ey<p> * ey<p>>(pyy, t);
@@ -361,22 +483,31 @@ struct WallRule {
         add<ey<p> * ez<p>>(pyz, t);
       });
     }
-    const Lanes<N> trace = (pxx + pyy + pzz) * (1.0 / 3);
-    nodes.rest = d3q19::w(0) * (drho - rho * uu - 4.5 * trace);
+    const V trace = (pxx + pyy + pzz) * (T{1} / T{3});
+    nodes.rest = static_cast<T>(d3q19::w(0)) * (drho - rho * static_cast<T>(uu) - T{4.5} * trace);
+    V moving{};  // of all that do not rest
     for_pairs([&]<int p>() __attribute__((always_inline)) {
-      Lanes<N> q = -trace;  // (e e - 1/3):Pi
+      V q = -trace;  // (e e - 1/3):Pi
       add<ex<p> * ex<p>>(q, pxx);
       add<ey<p> * ey<p>>(q, pyy);
       add<ez<p> * ez<p>>(q, pzz);
-      add<ex<p> * ey<p>>(q, 2.0 * pxy);
-      add<ex<p> * ez<p>>(q, 2.0 * pxz);
-      add<ey<p> * ez<p>>(q, 2.0 * pyz);
+      add<ex<p> * ey<p>>(q, two * pxy);
+      add<ex<p> * ez<p>>(q, two * pxz);
+      add<ey<p> * ez<p>>(q, two * pyz);
       const double cu = along<p>(u[0], u[1], u[2]);
-      nodes.t[p] = (2 * weight<p>)*(drho + rho * (4.5 * cu * cu - uu) + 4.5 * q);
-      nodes.d[p] = (6 * weight<p>)*(rho * cu - 0.5 * along<p>(f[0], f[1], f[2]));
+      const double half_force = 0.5 * along<p>(f[0], f[1], f[2]);
+      nodes.t[p] = static_cast<T>(2 * weight<p>) *
+                   (drho + rho * static_cast<T>(4.5 * cu * cu - uu) + T{4.5} * q);
+      moving += nodes.t[p];
+      nodes.d[p] =
+          static_cast<T>(6 * weight<p>) * (rho * static_cast<T>(cu) - static_cast<T>(half_force));
     });
-    relax<N>(row, k, nodes, relaxation, drho, {all<N>(u[0]), all<N>(u[1]), all<N>(u[2])},
-             {rho * u[0], rho * u[1], rho * u[2]}, {all<N>(f[0]), all<N>(f[1]), all<N>(f[2])});
+    if constexpr (is_single<V>) nodes.rest = drho - moving;  // lest rounded weights be mass
+    const Vector<V> velocity = uniform<V>(u);
+    const Vector<V> j = {rho * velocity.x, rho * velocity.y, rho * velocity.z};
+    const Vector<V> force = uniform<V>(f);
+    const Vector<V> m = combined(1, j, -0.5, force);
+    relax(row, k, nodes, relaxation, drho, velocity, m, j, force);
   }
 };
 
@@ -399,58 +530,61 @@ template <class Real>
   });
 }
 
-// Calls f<N>(k) for nodes [begin, end), N at a time: the widest vectors, then ever narrower ones
-// for what remains.
-template <int N = widest, class F>
+// Calls f<V>(k) for nodes [begin, end), as many at a time as V has lanes of the T: the widest
+// vectors, then ever narrower ones for what remains.
+template <class T, int N = widest<T>, class F>
 [[gnu::always_inline]] inline void for_nodes(int begin, int end, F&& f) {
   int k = begin;
 #pragma GCC unroll 1
-  for (; k + N <= end; k += N) f.template operator()<N>(k);
+  for (; k + N <= end; k += N) f.template operator()<Lanes<T, N>>(k);
   if constexpr (N > 1) {
-    if (k < end) for_nodes<N / 2>(k, end, f);
+    if (k < end) for_nodes<T, N / 2>(k, end, f);
   }
 }
 
 // The same with each array fetched ahead, once a cache line.
-template <class Real, class F>
+template <class T, class Real, class F>
 [[gnu::always_inline]] inline void for_nodes_ahead(const Row<Real>& row, int begin, int end,
                                                    F&& f) {
   constexpr int line = cache_line / sizeof(Real);
+  constexpr int N = widest<T>;
+  static_assert(line % N == 0);
   int k = begin;
   for (; k + line <= end; k += line) {
     prefetch(row, k);
 #pragma GCC unroll 1
-    for (int j = 0; j < line; j += widest) f.template operator()<widest>(k + j);
+    for (int j = 0; j < line; j += N) f.template operator()<Lanes<T, N>>(k + j);
   }
   if (k < end) {
     prefetch(row, k);
-    for_nodes(k, end, f);
+    for_nodes<T>(k, end, f);
   }
 }
 
 // Rows are taken by value here, so that the compiler sees that no store changes where they are.
-template <bool local, class Real>
+template <class T, bool local, class Real>
 void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowForce force) {
-  for_nodes_ahead(
-      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
-        const Vector<N> f = force_at<local, N>(force, k);
-        const Nodes<N> nodes = load_nodes<N>(row, k);
-        const Moments<N> m = moments_of<N>(nodes);
-        const Lanes<N> inverse = 1.0 / (1.0 + m.density_less_one);
-        const Vector<N> j = {m.x + 0.5 * f.x, m.y + 0.5 * f.y, m.z + 0.5 * f.z};
-        const Vector<N> u = {j.x * inverse, j.y * inverse, j.z * inverse};
-        if constexpr (local) store_vector<N>(force.velocity, k, u);
-        relax<N>(row, k, nodes, relaxation, m.density_less_one, u, j, f);
+  for_nodes_ahead<T>(
+      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
+        const Vector<V> f = force_at<local, V>(force, k);
+        const Nodes<V> nodes = load_nodes<V>(row, k);
+        const Moments<V> m = moments_of(nodes);
+        constexpr T half = 0.5;
+        const V inverse = T{1} / (T{1} + m.density_less_one);
+        const Vector<V> j = {m.x + half * f.x, m.y + half * f.y, m.z + half * f.z};
+        const Vector<V> u = {j.x * inverse, j.y * inverse, j.z * inverse};
+        if constexpr (local) store_vector(force.velocity, k, u);
+        relax(row, k, nodes, relaxation, m.density_less_one, u, {m.x, m.y, m.z}, j, f);
       });
 }
 
-template <class Real>
+template <class T, class Real>
 void collide(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
              const RowForce& force) {
   if (force.local[0] != nullptr) {
-    collide_row<true>(row, begin, end, relaxation, force);
+    collide_row<T, true>(row, begin, end, relaxation, force);
   } else {
-    collide_row<false>(row, begin, end, relaxation, force);
+    collide_row<T, false>(row, begin, end, relaxation, force);
   }
 }
 
@@ -475,21 +609,21 @@ void for_wall(const RowWall& wall, F&& f) {
   }
 }
 
-template <int nx, int ny, class Real>
+template <class T, int nx, int ny, class Real>
 void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
                       const RowForce& force, const RowWall& wall) {
   const WallRule<nx, ny> rule(force, wall);
-  for_nodes_ahead(
-      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
-        rule.template collide_nodes<N>(row, k, relaxation);
+  for_nodes_ahead<T>(
+      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
+        rule.template collide_nodes<V>(row, k, relaxation);
       });
 }
 
-template <class Real>
+template <class T, class Real>
 void collide_wall(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
                   const RowForce& force, const RowWall& wall) {
   for_wall(wall, [&]<int nx, int ny>() {
-    collide_wall_row<nx, ny>(row, begin, end, relaxation, force, wall);
+    collide_wall_row<T, nx, ny>(row, begin, end, relaxation, force, wall);
   });
 }
 
@@ -497,10 +631,9 @@ template <int nx, int ny, class Real>
 void wall_density_row(Row<Real> row, int begin, int end, const RowForce& force, const RowWall& wall,
                       double* density) {
   const WallRule<nx, ny> rule(force, wall);
-  for_nodes_ahead(
-      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
-        store<N>(density + k,
-                 rule.template density_less_one<N>(rule.template load_known<N>(row, k)));
+  for_nodes_ahead<double>(
+      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
+        store(density + k, rule.density_less_one(rule.template load_known<V>(row, k)));
       });
 }
 
@@ -515,32 +648,31 @@ void wall_density(const Row<Real>& row, int begin, int end, const RowForce& forc
 template <class Real>
 void moments(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
              double* z) {
-  for_nodes_ahead(
-      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
-        const Moments<N> m = moments_of<N>(load_nodes<N>(row, k));
-        store<N>(density + k, m.density_less_one);
-        store<N>(x + k, m.x);
-        store<N>(y + k, m.y);
-        store<N>(z + k, m.z);
+  for_nodes_ahead<double>(
+      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
+        const Moments<V> m = moments_of(load_nodes<V>(row, k));
+        store(density + k, m.density_less_one);
+        store(x + k, m.x);
+        store(y + k, m.y);
+        store(z + k, m.z);
       });
 }
 
 template <class Real>
 void add_flow(const Row<Real>& row, int begin, int end, double half_force, double share,
               double* sum) {
-  for_nodes_ahead(
-      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
-        const Moments<N> m = moments_of<N>(load_nodes<N>(row, k));
-        const Lanes<N> u = (m.z + half_force) / (1.0 + m.density_less_one);
-        store<N>(sum + k, load<N>(sum + k) + share * u);
+  for_nodes_ahead<double>(
+      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
+        const Moments<V> m = moments_of(load_nodes<V>(row, k));
+        const V u = (m.z + half_force) / (1.0 + m.density_less_one);
+        store(sum + k, load<V>(sum + k) + share * u);
       });
 }
 
 template <class Real>
 void stream_row(Row<Real> row, int begin, int end) {
-  for_nodes_ahead(
-      row, begin, end, [&]<int N>(int k) __attribute__((always_inline)) {
-        using Values = typename LanesOf<Real, N>::type;
+  for_nodes_ahead<Real>(
+      row, begin, end, [&]<class Values>(int k) __attribute__((always_inline)) {
         const auto swap = [&](Real * a, Real * b) __attribute__((always_inline)) {
           Values x;
           Values y;
@@ -566,14 +698,16 @@ void stream(const Row<Real>& row, int begin, int end) {
 
 namespace DUCTILE_INSTRUCTION_SET {
 
-template <class Real>
+template <class Real, class T>
 const Kernel<Real>& kernel() {
-  static constexpr Kernel<Real> functions = {collide<Real>, collide_wall<Real>, wall_density<Real>,
-                                             moments<Real>, add_flow<Real>,     stream<Real>};
+  static constexpr Kernel<Real> functions = {collide<T, Real>,   collide_wall<T, Real>,
+                                             wall_density<Real>, moments<Real>,
+                                             add_flow<Real>,     stream<Real>};
   return functions;
 }
-template const Kernel<double>& kernel();
-template const Kernel<float>& kernel();
+template const Kernel<double>& kernel<double, double>();
+template const Kernel<float>& kernel<float, double>();
+template const Kernel<float>& kernel<float, float>();
 
 }  // namespace DUCTILE_INSTRUCTION_SET
 

@@ -37,8 +37,9 @@ struct RowWall {
   double velocity[3];
 };
 
-/// The operations on nodes [begin, end) of a row, for one instruction set. A node's result is the
-/// same to the last bit with any of them, and wherever the node stands in the row.
+/// The operations on nodes [begin, end) of a row, for one instruction set and one precision of the
+/// collision's arithmetic; what is only looked at is computed in double. A node's result is the
+/// same to the last bit with any set, and wherever the node stands in the row.
 template <class Real>
 struct Kernel {
   /// Collision, eqs. (2)-(6).
@@ -63,20 +64,20 @@ struct Kernel {
 
 /// kernel.cpp, compiled once for each of them.
 namespace baseline {
-template <class Real>
+template <class Real, class T>
 const Kernel<Real>& kernel();
 }
 namespace avx2 {
-template <class Real>
+template <class Real, class T>
 const Kernel<Real>& kernel();
 }
 namespace avx512 {
-template <class Real>
+template <class Real, class T>
 const Kernel<Real>& kernel();
 }
 
-/// `set` must be available.
-template <class Real>
+/// Of populations stored as Real, whose collision computes in T. `set` must be available.
+template <class Real, class T>
 const Kernel<Real>& kernel(InstructionSet set);
 
 }  // namespace ductile::fluid

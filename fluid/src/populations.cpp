@@ -50,7 +50,7 @@ std::string name_of(int i) {
   return (i < 10 ? "f0" : "f") + std::to_string(i);
 }
 
-template <class Real>
+template <class Real, class T>
 class Populations final : public FluidImpl {
  public:
   Populations(Communicator comm, const Options& options)
@@ -58,7 +58,7 @@ class Populations final : public FluidImpl {
         nx_(options.nodes[0]),
         ny_(options.nodes[1]),
         slab_of_(options, slab_.size()),
-        kernel_(kernel<Real>(*options.instruction_set)),
+        kernel_(kernel<Real, T>(*options.instruction_set)),
         halo_(comm_, peers(), number_slots()) {}
 
   void initialise(const std::function<NodeState(int, int, int)>& state) override;
@@ -104,8 +104,8 @@ class Populations final : public FluidImpl {
   Halo<Real> halo_;
 };
 
-template <class Real>
-std::array<int, 2> Populations<Real>::peers() const {
+template <class Real, class T>
+std::array<int, 2> Populations<Real, T>::peers() const {
   std::array<int, 2> peers = {comm_.rank() - 1, comm_.rank() + 1};
   for (int& peer : peers) {
     if (options_.boundary[2] == Boundary::periodic) peer = (peer + comm_.size()) % comm_.size();
@@ -114,8 +114,8 @@ std::array<int, 2> Populations<Real>::peers() const {
   return peers;
 }
 
-template <class Real>
-std::vector<std::size_t> Populations<Real>::number_slots() {
+template <class Real, class T>
+std::vector<std::size_t> Populations<Real, T>::number_slots() {
   constexpr int most_parts = 8;
   const int parts = std::min(most_parts, nx_);
   for (auto& slots : slots_) {
@@ -146,9 +146,10 @@ std::vector<std::size_t> Populations<Real>::number_slots() {
   return ends;
 }
 
-template <class Real>
+template <class Real, class T>
 template <class Visit>
-void Populations<Real>::for_crossing(const Row<Real>& row, int x, int y, int side, Visit&& visit) {
+void Populations<Real, T>::for_crossing(const Row<Real>& row, int x, int y, int side,
+                                        Visit&& visit) {
   const auto& slots = slots_[odd() ? 1 : 0][column(x, y)];
   const int end = end_plane(side);
   for (std::size_t s = 0; s < shifts.size(); ++s) {
@@ -163,8 +164,8 @@ void Populations<Real>::for_crossing(const Row<Real>& row, int x, int y, int sid
 
 // Puts what came from the slabs below and above in its place. A half-way wall across z reflects
 // the node's own populations instead.
-template <class Real>
-void Populations<Real>::arrive(const Row<Real>& row, int x, int y) {
+template <class Real, class T>
+void Populations<Real, T>::arrive(const Row<Real>& row, int x, int y) {
   for (int side = 0; side < 2; ++side) {
     if (const Real* arrivals = halo_.arrivals(side)) {
       for_crossing(row, x, y, side, [&](Real* place, int slot, int) { *place = arrivals[slot]; });
@@ -178,8 +179,8 @@ void Populations<Real>::arrive(const Row<Real>& row, int x, int y) {
 
 // Between two steps the sweep has driven all that is exchanged out of the cache, and nothing but
 // this tells the processor where a row will look for it next.
-template <class Real>
-void Populations<Real>::fetch_ends(int x, int y) {
+template <class Real, class T>
+void Populations<Real, T>::fetch_ends(int x, int y) {
   const Row<Real> row = slab_of_.row(x, y, odd());
   const auto& slots = slots_[odd() ? 1 : 0];
   const std::size_t later = std::min(column(x, y) + 8, slots.size() - 1);
@@ -195,8 +196,8 @@ void Populations<Real>::fetch_ends(int x, int y) {
   }
 }
 
-template <class Real>
-void Populations<Real>::depart(const Row<Real>& row, int x, int y) {
+template <class Real, class T>
+void Populations<Real, T>::depart(const Row<Real>& row, int x, int y) {
   for (int side = 0; side < 2; ++side) {
     if (halo_.exists(side)) {
       Real* departures = halo_.departures(side);
@@ -209,16 +210,16 @@ void Populations<Real>::depart(const Row<Real>& row, int x, int y) {
   }
 }
 
-template <class Real>
-RowForce Populations<Real>::uniform_force() const {
+template <class Real, class T>
+RowForce Populations<Real, T>::uniform_force() const {
   return {{options_.force[0], options_.force[1], options_.force[2]},
           {nullptr, nullptr, nullptr},
           {nullptr, nullptr, nullptr}};
 }
 
 // The forces of patches that meet the row act and are used up, and the velocity is left there.
-template <class Real>
-void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
+template <class Real, class T>
+void Populations<Real, T>::collide_row(const Row<Real>& row, int x, int y) {
   const RowForce uniform = uniform_force();
   if (const RowWall* wall = slab_of_.wall(x, y)) {
     kernel_.collide_wall(row, 0, slab_of_.planes(), relaxation_, uniform, *wall);
@@ -248,8 +249,8 @@ void Populations<Real>::collide_row(const Row<Real>& row, int x, int y) {
 
 // What arrives for a row is needed from the rows next to it in x, and what departs is complete with
 // them. The row's own ends are laid one row ahead, and fetched into the cache two rows ahead.
-template <class Real>
-void Populations<Real>::step() {
+template <class Real, class T>
+void Populations<Real, T>::step() {
   drop_image_force();
   halo_.begin_step();
   const bool around = options_.boundary[0] == Boundary::periodic;
@@ -285,8 +286,8 @@ void Populations<Real>::step() {
   odd_ = !odd_;
 }
 
-template <class Real>
-void Populations<Real>::stream() {
+template <class Real, class T>
+void Populations<Real, T>::stream() {
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) {
       kernel_.stream(slab_of_.row(x, y, odd()), 0, slab_of_.planes());
@@ -299,8 +300,9 @@ void Populations<Real>::stream() {
 // Half-way bounce-back off a wall that moves with u_w: f_(-i) = f_i* - 6 w_i rho0 c_i.u_w, added
 // where the reflected population waits, which is its own array in both states. None of these
 // crosses the ends of the slab.
-template <class Real>
-void Populations<Real>::drive_wall(int x, int y, int begin, int end, std::size_t axis, int side) {
+template <class Real, class T>
+void Populations<Real, T>::drive_wall(int x, int y, int begin, int end, std::size_t axis,
+                                      int side) {
   const Eigen::Vector3d& u = options_.wall_velocity[axis][static_cast<std::size_t>(side)];
   const int inward = side == 0 ? 1 : -1;
   for (int i = 1; i < Q; ++i) {
@@ -323,8 +325,8 @@ void Populations<Real>::drive_wall(int x, int y, int begin, int end, std::size_t
   }
 }
 
-template <class Real>
-void Populations<Real>::drive_moving_walls() {
+template <class Real, class T>
+void Populations<Real, T>::drive_moving_walls() {
   const int planes = slab_of_.planes();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (options_.boundary[axis] != Boundary::halfway) continue;
@@ -345,8 +347,8 @@ void Populations<Real>::drive_moving_walls() {
   }
 }
 
-template <class Real>
-void Populations<Real>::initialise(const std::function<NodeState(int, int, int)>& state) {
+template <class Real, class T>
+void Populations<Real, T>::initialise(const std::function<NodeState(int, int, int)>& state) {
   halo_.reset();
   time_ = 0;
   odd_ = false;
@@ -374,15 +376,15 @@ void Populations<Real>::initialise(const std::function<NodeState(int, int, int)>
   }
 }
 
-template <class Real>
-Row<Real> Populations<Real>::complete_row(int x, int y) {
+template <class Real, class T>
+Row<Real> Populations<Real, T>::complete_row(int x, int y) {
   const Row<Real> row = slab_of_.row(x, y, odd());
   arrive(row, x, y);
   return row;
 }
 
-template <class Real>
-void Populations<Real>::read_velocity() {
+template <class Real, class T>
+void Populations<Real, T>::read_velocity() {
   halo_.await_all();
   const Eigen::Vector3d half = 0.5 * options_.force;
   for (Patch& patch : patches_) {
@@ -409,9 +411,9 @@ void Populations<Real>::read_velocity() {
 }
 
 // Density and velocity of one row, to four arrays over its planes.
-template <class Real>
-void Populations<Real>::read_row(int x, int y, double* density,
-                                 const std::array<double*, 3>& velocity) {
+template <class Real, class T>
+void Populations<Real, T>::read_row(int x, int y, double* density,
+                                    const std::array<double*, 3>& velocity) {
   const int planes = slab_of_.planes();
   const Row<Real> row = complete_row(x, y);
   if (const RowWall* wall = slab_of_.wall(x, y)) {
@@ -430,8 +432,8 @@ void Populations<Real>::read_row(int x, int y, double* density,
   }
 }
 
-template <class Real>
-void Populations<Real>::fields(std::span<double> density, std::span<double> velocity) {
+template <class Real, class T>
+void Populations<Real, T>::fields(std::span<double> density, std::span<double> velocity) {
   halo_.await_all();
   const auto planes = static_cast<std::size_t>(slab_of_.planes());
   const std::size_t count = static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * planes;
@@ -448,8 +450,8 @@ void Populations<Real>::fields(std::span<double> density, std::span<double> velo
   }
 }
 
-template <class Real>
-std::vector<double> Populations<Real>::plane_sums() {
+template <class Real, class T>
+std::vector<double> Populations<Real, T>::plane_sums() {
   halo_.await_all();
   const auto planes = static_cast<std::size_t>(slab_of_.planes());
   std::vector<double> row(4 * planes);
@@ -469,8 +471,8 @@ std::vector<double> Populations<Real>::plane_sums() {
   return sums;
 }
 
-template <class Real>
-std::vector<double> Populations<Real>::plane_flows() {
+template <class Real, class T>
+std::vector<double> Populations<Real, T>::plane_flows() {
   halo_.await_all();
   const int planes = slab_of_.planes();
   std::vector<double> sums(static_cast<std::size_t>(planes), 0.0);
@@ -488,8 +490,8 @@ std::vector<double> Populations<Real>::plane_flows() {
 }
 
 // Along z every node is looked at, across it one column in 64.
-template <class Real>
-bool Populations<Real>::finite() {
+template <class Real, class T>
+bool Populations<Real, T>::finite() {
   halo_.await_all();
   constexpr int stride = 8;
   const auto planes = static_cast<std::size_t>(slab_of_.planes());
@@ -504,8 +506,8 @@ bool Populations<Real>::finite() {
   return std::isfinite(sum);
 }
 
-template <class Real>
-void Populations<Real>::save(const StateWriter& write) {
+template <class Real, class T>
+void Populations<Real, T>::save(const StateWriter& write) {
   halo_.await_all();
   const auto time = static_cast<double>(time_);
   write("time", std::span(&time, 1));
@@ -528,8 +530,8 @@ void Populations<Real>::save(const StateWriter& write) {
 }
 
 // Every node gets its own populations, so nothing is to arrive before the next step.
-template <class Real>
-void Populations<Real>::load(const StateReader& read) {
+template <class Real, class T>
+void Populations<Real, T>::load(const StateReader& read) {
   halo_.reset();
   drop_force();
   double time = 0;
@@ -551,8 +553,8 @@ void Populations<Real>::load(const StateReader& read) {
   }
 }
 
-template <class Real>
-std::size_t Populations<Real>::memory() const {
+template <class Real, class T>
+std::size_t Populations<Real, T>::memory() const {
   std::size_t bytes = slab_of_.bytes() + halo_.memory();
   for (const auto& slots : slots_) bytes += slots.size() * sizeof slots[0];
   bytes += (first_met_.size() + met_.size()) * sizeof(std::size_t);
@@ -563,10 +565,11 @@ std::size_t Populations<Real>::memory() const {
 }  // namespace
 
 std::unique_ptr<FluidImpl> make_populations(Communicator comm, const Options& options) {
-  if (options.storage == Storage::single_precision) {
-    return std::make_unique<Populations<float>>(std::move(comm), options);
-  }
-  return std::make_unique<Populations<double>>(std::move(comm), options);
+  if (options.storage == Precision::double_precision)
+    return std::make_unique<Populations<double, double>>(std::move(comm), options);
+  if (options.arithmetic == Precision::double_precision)
+    return std::make_unique<Populations<float, double>>(std::move(comm), options);
+  return std::make_unique<Populations<float, float>>(std::move(comm), options);
 }
 
 }  // namespace ductile::fluid

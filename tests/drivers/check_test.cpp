@@ -164,12 +164,13 @@ TEST(Check, PopulationsAreCountedInBytes) {
 
 // Every coefficient tells itself apart.
 KnownSpeed known_speeds() {
-  return {4, {200e6, 400e6}, {80e6, 100e6}, {4e-7, 1e-8, 3e-8, 2e-8, 1e-6, 2e-7, 3e-6, 5e-7}};
+  return {4, {200e6, 300e6, 400e6}, {80e6, 90e6, 100e6}, {4e-7, 1e-8, 3e-8, 2e-8, 1e-6, 2e-7, 3e-6, 5e-7}};
 }
 
 TEST(Check, AStepOfFluidTakesWhatWasMeasured) {
   const suspension::Plan single = parse_case("", "case.toml").plan;
   const suspension::Plan twice = parse_case("fluid.storage = 'double'\n", "case.toml").plan;
+  const suspension::Plan mixed = parse_case("fluid.arithmetic = 'double'\n", "case.toml").plan;
   const auto nodes = static_cast<double>(single.node_count());
   const auto seconds = [](const suspension::Plan& plan, int ranks) {
     const StepTime time = expected_step(plan, ranks, known_speeds());
@@ -178,6 +179,7 @@ TEST(Check, AStepOfFluidTakesWhatWasMeasured) {
   };
   EXPECT_DOUBLE_EQ(seconds(single, 1), nodes / 100e6);
   EXPECT_DOUBLE_EQ(seconds(twice, 1), nodes / 80e6);
+  EXPECT_DOUBLE_EQ(seconds(mixed, 1), nodes / 90e6);
   EXPECT_DOUBLE_EQ(seconds(twice, 4), nodes / 200e6);
   EXPECT_DOUBLE_EQ(seconds(single, 2), nodes / 200e6);  // a third of the way from 100e6 to 400e6
   EXPECT_DOUBLE_EQ(seconds(single, 8), nodes / 400e6);  // more ranks were not measured

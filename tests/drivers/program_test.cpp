@@ -87,7 +87,8 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   const Outcome table = run("bench --nodes 24 --repeats 1", launch);
   EXPECT_EQ(table.exit_code, 0) << table.errors;
   for (const char* part : {"24 x 24 x 144 nodes, 2 ranks", "fluid kernel for", "double precision",
-                           "single precision", "fluid, walls on nodes", "2 ranks are",
+                           "single storage, double arithmetic", "single precision",
+                           "double arithmetic", "fluid, walls on nodes", "2 ranks are",
                            "of the fluid alone", "spreading", "a vertex of an explicit capsule"}) {
     EXPECT_NE(table.output.find(part), std::string::npos) << part << " not in\n" << table.output;
   }
@@ -97,7 +98,8 @@ TEST_F(Program, BenchMeasuresAndCheckKnowsIt) {
   fs::create_directories(work() / "cache" / "ductile");
   std::ofstream(work() / "cache" / "ductile" / "bench.toml")
       << "machine = \"" << host.data()
-      << "\"\nranks = 1\ndouble = 1e8\nsingle = 2e8\ndouble_alone = 1e8\nsingle_alone = 2e8\n"
+      << "\"\nranks = 1\ndouble = 1e8\nsingle_storage = 1e8\nsingle = 2e8\n"
+         "double_alone = 1e8\nsingle_storage_alone = 1e8\nsingle_alone = 2e8\n"
          "row = 0\nnode = 0\nnode_read = 0\nnode_update = 0\nmarker = 0\nmarker_pass = 0\nimplicit "
          "= 0\n"
          "stiff = 0\n";

@@ -53,7 +53,8 @@ TEST(Scenario, EmptyFileGetsEveryDefault) {
   EXPECT_EQ(s.fluid.tau, 1);
   EXPECT_EQ(s.fluid.collision, fluid::Collision::bgk);
   EXPECT_EQ(s.fluid.magic, 3.0 / 16.0);
-  EXPECT_EQ(s.fluid.storage, fluid::Storage::single_precision);
+  EXPECT_EQ(s.fluid.storage, fluid::Precision::single_precision);
+  EXPECT_EQ(s.fluid.arithmetic, fluid::Precision::single_precision);
   EXPECT_EQ(s.membrane.law, membrane::StrainLaw::skalak);
   EXPECT_EQ(s.membrane.area_ratio, 2);
   EXPECT_EQ(s.membrane.bending, 2.87e-3);
@@ -137,6 +138,30 @@ TEST(Scenario, OverridesReplaceAndAddValuesInTheirOrder) {
 TEST(Scenario, OverridesReachBodiesWithoutANameByTheirNumber) {
   const Scenario s = read("[[body]]\nlaplace = 10\n", "case.toml", {set("body.body1.x", "0.25")});
   EXPECT_EQ(s.bodies[0].x, 0.25);
+}
+
+TEST(Scenario, ArithmeticFollowsStorageUnlessItIsGiven) {
+  const auto arithmetic = [](const std::string& text) { return read(text, "c").fluid.arithmetic; };
+  EXPECT_EQ(arithmetic("fluid.storage = \"double\"\n"), fluid::Precision::double_precision);
+  EXPECT_EQ(arithmetic("fluid.storage = \"single\"\n"), fluid::Precision::single_precision);
+  EXPECT_EQ(arithmetic("fluid.arithmetic = \"double\"\n"), fluid::Precision::double_precision);
+}
+
+// What is felt can be said to be, of all bodies and of one.
+TEST(Scenario, ARetractionMayBeFelt) {
+  const std::string capsule = "[[body]]\nlaplace = 10\n";
+  const auto retraction = [](const std::string& text) {
+    return read(text, "c").bodies.at(0).membrane.retraction;
+  };
+  const auto felt = retraction(capsule);
+  ASSERT_TRUE(felt.has_value());
+  EXPECT_GT(*felt, 0.4);
+  EXPECT_EQ(retraction("membrane.retraction = \"felt\"\n" + capsule), felt);
+  EXPECT_EQ(retraction("membrane.retraction = 0.2\n" + capsule), 0.2);
+  EXPECT_EQ(retraction("membrane.retraction = 0.2\n" + capsule + "retraction = \"felt\"\n"),
+            felt);
+  const Scenario s = read(capsule, "c");
+  EXPECT_NE(resolved_toml(s).find("retraction = \"felt\""), std::string::npos);
 }
 
 TEST(Scenario, StopDistanceFollowsAShortChannel) {
@@ -301,6 +326,12 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
        "case.toml:2:11: channel.gravity = [0, 1]: must be an array of 3 numbers"},
       {"[channel]\ngravity = [0, 1, \"2\"]\n",
        "case.toml:2:11: channel.gravity = [0, 1, \"2\"]: must be an array of 3 numbers"},
+      {"[membrane]\nretraction = \"none\"\n",
+       "case.toml:2:14: membrane.retraction = \"none\": must be \"felt\", or a number from 0 to 1"},
+      {"[rigid]\nretraction = 2.5\n",
+       "case.toml:2:14: rigid.retraction = 2.5: must be \"felt\", or a number from 0 to 2"},
+      {"[fluid]\nstorage = \"double\"\narithmetic = \"single\"\n",
+       "case.toml:3:14: fluid.arithmetic = \"single\": needs fluid.storage = \"single\""},
       {"[membrane]\nlaw = \"hooke\"\n",
        "case.toml:2:7: membrane.law = \"hooke\": must be \"skalak\" or \"neo-hookean\""},
       {"name = 7\n",

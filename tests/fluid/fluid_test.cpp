@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "fluid/inside.hpp"
+#include "fluid/precisions.hpp"
 #include "fluid/two_lattice.hpp"
 
 namespace {
@@ -152,12 +153,12 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST(Fluid, KeepsMassAndGainsTheForceAsMomentum) {
-  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+  for (const ductile::test::Precisions& precision : ductile::test::precisions) {
     Options o;
     o.nodes = {8, 7, 12};
     o.tau = 0.7;
     o.force = {1e-5, 2e-5, -3e-5};
-    o.storage = storage;
+    precision.choose(o);
     Fluid fluid(MPI_COMM_WORLD, o);
     fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
     const Totals before = fluid.totals();
@@ -166,7 +167,7 @@ TEST(Fluid, KeepsMassAndGainsTheForceAsMomentum) {
     const Totals after = fluid.totals();
     const double nodes = 8 * 7 * 12;
     // round-off of the storage, times a random walk over the steps
-    const double eps = storage == Storage::double_precision ? 1e-15 : 1e-7;
+    const double eps = precision.all_double() ? 1e-15 : 1e-7;
     EXPECT_NEAR(after.mass, before.mass, nodes * eps);
     EXPECT_LT((after.momentum - before.momentum - steps * nodes * o.force).norm(), nodes * eps);
   }
@@ -271,12 +272,12 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
 
 // What a step leaves in the patches is what a body that asks beforehand is told, and no force.
 TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
-  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+  for (const ductile::test::Precisions& precision : ductile::test::precisions) {
     Options o;
     o.nodes = {9, 8, 21};
     o.boundary = {halfway, regularized, periodic};
     o.force = {1e-4, -2e-4, 2e-3};
-    o.storage = storage;
+    precision.choose(o);
     Fluid fluid(MPI_COMM_WORLD, o);
     fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
     const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {12, 30}}}};  // across the periodic end
@@ -291,6 +292,7 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
         }
       }
       fluid.update_velocity();
+      const double round_off = precision.all_single() ? 2e-8 : 1e-16;
       std::vector<std::array<std::vector<double>, 3>> told;
       for (const Patch& patch : patches(fluid)) told.push_back(patch.velocity);
       fluid.step();
@@ -298,7 +300,7 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
         const Patch& patch = patches(fluid)[p];
         for (std::size_t a = 0; a < 3; ++a) {
           for (std::size_t n = 0; n < told[p][a].size(); ++n) {
-            ASSERT_NEAR(patch.velocity[a][n], told[p][a][n], 1e-16);
+            ASSERT_NEAR(patch.velocity[a][n], told[p][a][n], round_off);
             ASSERT_EQ(patch.force[a][n], 0);
           }
         }
@@ -313,15 +315,15 @@ TEST(InstructionSets, GiveTheSameBits) {
        {std::pair(halfway, Mirror::none), std::pair(regularized, Mirror::none),
         std::pair(halfway, Mirror::on_node), std::pair(regularized, Mirror::between_nodes),
         std::pair(regularized, Mirror::on_node)}) {
-    for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+    for (const ductile::test::Precisions& precision : ductile::test::precisions) {
       Options o;
-      o.nodes = {6, 5, 67};  // vectors of eight, four and two, and one more
+      o.nodes = {6, 5, 67};  // vectors of sixteen and less, and one more
       o.mirror = mirror;
       o.boundary = {walls, walls, periodic};
       o.collision = walls == halfway ? Collision::trt : Collision::bgk;
       o.tau = 0.8;
       o.force = {1e-4, mirror == Mirror::none ? -2e-4 : 0, 3e-4};
-      o.storage = storage;
+      precision.choose(o);
       std::vector<Field> results;
       std::vector<double> flows;
       for (const InstructionSet set :

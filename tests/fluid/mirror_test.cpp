@@ -6,6 +6,7 @@
 
 #include "ductile/fluid/fluid.hpp"
 #include "fluid/inside.hpp"
+#include "fluid/precisions.hpp"
 
 namespace {
 
@@ -97,16 +98,18 @@ void expect_same_patches(Fluid& half, Fluid& whole, int first_row, double round_
   }
 }
 
-class HalfAndWhole : public testing::TestWithParam<
-                         std::tuple<Mirror, Boundary, Boundary, Boundary, Collision, Storage>> {};
+class HalfAndWhole
+    : public testing::TestWithParam<
+          std::tuple<Mirror, Boundary, Boundary, Boundary, Collision, ductile::test::Precisions>> {
+};
 
 // To the last bit, unless there are regularized walls: their rule adds up populations one by one.
 TEST_P(HalfAndWhole, AreTheSame) {
-  const auto [mirror, walls_x, walls_y, ends, collision, storage] = GetParam();
+  const auto [mirror, walls_x, walls_y, ends, collision, precision] = GetParam();
   Pair p = pair_of(mirror, walls_x, walls_y, ends);
   p.whole.collision = p.half.collision = collision;
-  p.whole.storage = p.half.storage = storage;
-  const double unequal_sums = storage == Storage::double_precision ? 1e-13 : 1e-8;
+  for (Options* options : {&p.whole, &p.half}) precision.choose(*options);
+  const double unequal_sums = precision.all_double() ? 1e-13 : 1e-8;
   const bool on_nodes = walls_x == Boundary::regularized || walls_y == Boundary::regularized;
   const double round_off = on_nodes ? unequal_sums : 0;
   Fluid whole(MPI_COMM_SELF, p.whole);
@@ -174,14 +177,14 @@ TEST_P(HalfAndWhole, AreTheSame) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, HalfAndWhole,
-    testing::Combine(testing::Values(Mirror::between_nodes, Mirror::on_node),
-                     testing::Values(Boundary::periodic, Boundary::halfway, Boundary::regularized),
-                     testing::Values(Boundary::halfway, Boundary::regularized),
-                     testing::Values(Boundary::periodic, Boundary::halfway),
-                     testing::Values(Collision::bgk, Collision::trt),
-                     testing::Values(Storage::double_precision, Storage::single_precision)));
+INSTANTIATE_TEST_SUITE_P(All, HalfAndWhole,
+                         testing::Combine(testing::Values(Mirror::between_nodes, Mirror::on_node),
+                                          testing::Values(Boundary::periodic, Boundary::halfway,
+                                                          Boundary::regularized),
+                                          testing::Values(Boundary::halfway, Boundary::regularized),
+                                          testing::Values(Boundary::periodic, Boundary::halfway),
+                                          testing::Values(Collision::bgk, Collision::trt),
+                                          testing::ValuesIn(ductile::test::precisions)));
 
 TEST(Mirror, BodiesMayActUpToTheImageOfTheWall) {
   for (const Mirror mirror : {Mirror::between_nodes, Mirror::on_node}) {

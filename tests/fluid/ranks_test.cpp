@@ -10,6 +10,7 @@
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/fluid/points.hpp"
 #include "fluid/inside.hpp"
+#include "fluid/precisions.hpp"
 
 namespace {
 
@@ -34,13 +35,14 @@ double flow_of(const Options& o, const std::vector<double>& u) {
   return sum;
 }
 
-class Ranks : public testing::TestWithParam<std::tuple<Boundary, Boundary, Storage, Mirror>> {};
+class Ranks : public testing::TestWithParam<
+                  std::tuple<Boundary, Boundary, ductile::test::Precisions, Mirror>> {};
 
 TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
   Options o;
   o.nodes = {9, 8, 13};
   o.boundary = {std::get<0>(GetParam()), std::get<0>(GetParam()), std::get<1>(GetParam())};
-  o.storage = std::get<2>(GetParam());
+  std::get<2>(GetParam()).choose(o);
   o.mirror = std::get<3>(GetParam());
   const bool mirrored = o.mirror != Mirror::none;
   o.tau = 0.9;
@@ -109,13 +111,11 @@ INSTANTIATE_TEST_SUITE_P(
     All, Ranks,
     testing::Combine(testing::Values(Boundary::periodic, Boundary::halfway, Boundary::regularized),
                      testing::Values(Boundary::periodic, Boundary::halfway),
-                     testing::Values(Storage::double_precision, Storage::single_precision),
-                     testing::Values(Mirror::none)));
+                     testing::ValuesIn(ductile::test::precisions), testing::Values(Mirror::none)));
 INSTANTIATE_TEST_SUITE_P(Mirrored, Ranks,
                          testing::Combine(testing::Values(Boundary::halfway, Boundary::regularized),
                                           testing::Values(Boundary::periodic, Boundary::halfway),
-                                          testing::Values(Storage::double_precision,
-                                                          Storage::single_precision),
+                                          testing::ValuesIn(ductile::test::precisions),
                                           testing::Values(Mirror::between_nodes, Mirror::on_node)));
 
 // Each rank tells of each point what its own planes give, and nothing else; together they tell what
@@ -124,7 +124,7 @@ TEST_P(Ranks, PointsAreToldTheSamePlaneByPlane) {
   Options o;
   o.nodes = {12, 12, 24};
   o.boundary = {std::get<0>(GetParam()), std::get<0>(GetParam()), std::get<1>(GetParam())};
-  o.storage = std::get<2>(GetParam());
+  std::get<2>(GetParam()).choose(o);
   o.mirror = std::get<3>(GetParam());
   const bool wraps = o.boundary[2] == Boundary::periodic;
   constexpr std::size_t count = 60;
@@ -191,16 +191,16 @@ TEST(Slabs, ShareThePlanesEvenly) {
 // What a rank sends in a step are the five populations a column that cross each end of its slab,
 // whatever the number of ranks.
 TEST(Ranks, SendOnlyThePopulationsThatCross) {
-  for (const Storage storage : {Storage::double_precision, Storage::single_precision}) {
+  for (const ductile::test::Precisions& precision : ductile::test::precisions) {
     Options o;
     o.nodes = {9, 8, 16};
-    o.storage = storage;
+    precision.choose(o);
     Fluid fluid(MPI_COMM_WORLD, o);
     int ranks = 1;
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     constexpr int steps = 3;
     for (int n = 0; n < steps; ++n) fluid.step();
-    const std::int64_t size = storage == Storage::double_precision ? 8 : 4;
+    const std::int64_t size = precision.all_double() ? 8 : 4;
     EXPECT_EQ(fluid.bytes_sent(), ranks == 1 ? 0 : steps * 2 * 5 * 9 * 8 * size);
   }
 }

@@ -12,6 +12,7 @@
 #include "ductile/fluid/d3q19.hpp"
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/fluid/points.hpp"
+#include "fluid/precisions.hpp"
 
 namespace {
 
@@ -110,14 +111,14 @@ struct Case {
   Mirror mirror = Mirror::none;
 };
 
-Options options_of(const Case& c, Collision collision, Storage storage) {
+Options options_of(const Case& c, Collision collision, const ductile::test::Precisions& precision) {
   Options o;
   o.nodes = {9, 8, 13};
   o.boundary = c.boundary;
   o.mirror = c.mirror;
   o.tau = 0.8;
   o.collision = collision;
-  o.storage = storage;
+  precision.choose(o);
   const bool mirrored = c.mirror != Mirror::none;
   o.force = {1e-4, mirrored ? 0 : -2e-4, 3e-4};
   if (c.boundary[0] != Boundary::periodic) {
@@ -135,11 +136,12 @@ Options options_of(const Case& c, Collision collision, Storage storage) {
   return o;
 }
 
-class SavedState : public testing::TestWithParam<std::tuple<Case, Collision, Storage>> {
+class SavedState
+    : public testing::TestWithParam<std::tuple<Case, Collision, ductile::test::Precisions>> {
  protected:
   [[nodiscard]] static Options options() {
-    const auto& [c, collision, storage] = GetParam();
-    return options_of(c, collision, storage);
+    const auto& [c, collision, precision] = GetParam();
+    return options_of(c, collision, precision);
   }
 };
 
@@ -215,11 +217,11 @@ INSTANTIATE_TEST_SUITE_P(
             Case{"mirror_on_node", {periodic, halfway, halfway}, Mirror::on_node},
             Case{"mirror_on_node_on_nodes", {regularized, regularized, periodic}, Mirror::on_node}),
         testing::Values(Collision::bgk, Collision::trt),
-        testing::Values(Storage::double_precision, Storage::single_precision)),
+        testing::ValuesIn(ductile::test::precisions)),
     [](const auto& test) {
       return std::string(std::get<0>(test.param).name) +
-             (std::get<1>(test.param) == Collision::bgk ? "_bgk" : "_trt") +
-             (std::get<2>(test.param) == Storage::double_precision ? "_double" : "_single");
+             (std::get<1>(test.param) == Collision::bgk ? "_bgk_" : "_trt_") +
+             std::get<2>(test.param).name;
     });
 
 // Mass and momentum by the definition of the moments: the populations have the documented order.

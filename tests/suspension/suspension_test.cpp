@@ -27,9 +27,9 @@ using test::capsule;
 using test::channel;
 
 /// Every kind of body and of integrator, in near contact and across the periodic end.
-Plan everything(fluid::Storage storage) {
+Plan everything(fluid::Precision precision) {
   Plan plan = channel({20, 20, 44});
-  plan.fluid.storage = storage;
+  plan.fluid.storage = plan.fluid.arithmetic = precision;
   plan.gravity = {0, 0, 1e-5};
   const auto add = [&plan](BodyPlan body, auto kind) {
     body.kind = std::move(kind);
@@ -167,8 +167,9 @@ struct View {
 
 // Odd and even numbers of steps, before and after a kept tangent is renewed, at the very start.
 TEST(Suspension, GoesOnFromASavedStateAsIfNothingHadBeen) {
-  for (const auto storage : {fluid::Storage::double_precision, fluid::Storage::single_precision}) {
-    const Plan plan = everything(storage);
+  for (const auto precision :
+       {fluid::Precision::double_precision, fluid::Precision::single_precision}) {
+    const Plan plan = everything(precision);
     Suspension straight(plan, PETSC_COMM_WORLD);
     for (const int before : {0, 1, 2, 25}) {
       while (straight.steps() < before) straight.step();
@@ -227,8 +228,9 @@ TEST(Suspension, GoesOnFromASavedStateInOtherChannels) {
 
 // What is saved is the same on any number of ranks, and any number goes on from it.
 TEST(Suspension, GoesOnOnAnotherNumberOfRanks) {
-  for (const auto storage : {fluid::Storage::double_precision, fluid::Storage::single_precision}) {
-    const Plan plan = everything(storage);
+  for (const auto precision :
+       {fluid::Precision::double_precision, fluid::Precision::single_precision}) {
+    const Plan plan = everything(precision);
     Suspension together(plan, PETSC_COMM_WORLD);
     Suspension alone(plan, PETSC_COMM_SELF);
     for (int n = 0; n < 7; ++n) {
@@ -256,7 +258,7 @@ TEST(Suspension, GoesOnOnAnotherNumberOfRanks) {
 
 // Whatever fails at whatever part is every rank's to hear of, and a good load mends all.
 TEST(Suspension, AFailedLoadOrSaveIsEveryRanksToHearOf) {
-  const Plan plan = everything(fluid::Storage::double_precision);
+  const Plan plan = everything(fluid::Precision::double_precision);
   Suspension straight(plan, PETSC_COMM_WORLD);
   straight.step();
   const Store state = saved(straight);
@@ -285,7 +287,7 @@ TEST(Suspension, AFailedLoadOrSaveIsEveryRanksToHearOf) {
 
 // Several systems side by side, each on a rank of its own.
 TEST(Suspension, RunsOnOneRankOfALargerJob) {
-  const Plan plan = everything(fluid::Storage::double_precision);
+  const Plan plan = everything(fluid::Precision::double_precision);
   Suspension alone(plan, PETSC_COMM_SELF);
   Suspension together(plan, PETSC_COMM_WORLD);
   for (int n = 0; n < 3; ++n) {
@@ -307,7 +309,7 @@ TEST(Suspension, RefusesAPlanThatContradictsItself) {
       return error.what();
     }
   };
-  const Plan good = everything(fluid::Storage::double_precision);
+  const Plan good = everything(fluid::Precision::double_precision);
   Plan plan = good;
   plan.fluid.tau = 0.8;
   EXPECT_NE(refusal(plan).find("the units have the viscosity 0.133333"), std::string::npos);
@@ -323,7 +325,7 @@ TEST(Suspension, RefusesAPlanThatContradictsItself) {
 }
 
 TEST(Suspension, ARefusedBodyIsEveryRanksToHearOf) {
-  Plan plan = everything(fluid::Storage::double_precision);
+  Plan plan = everything(fluid::Precision::double_precision);
   std::get<RigidPlan>(plan.bodies[1].kind).memory = 1.5;
   try {
     const Suspension suspension(plan, PETSC_COMM_WORLD);
@@ -516,7 +518,7 @@ TEST(Suspension, ASolidBodyHasMarkersInside) {
 
 // A quantity is 0 where it does not apply, and the same wherever its owner is.
 TEST(Suspension, SamplesAreOfTheBodiesInTheirOrder) {
-  const Plan plan = everything(fluid::Storage::double_precision);
+  const Plan plan = everything(fluid::Precision::double_precision);
   Suspension suspension(plan, PETSC_COMM_WORLD);
   const Sample sample = suspension.sample();
   if (suspension.rank() != 0) {

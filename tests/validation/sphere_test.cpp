@@ -105,7 +105,7 @@ TEST(SettlingSphere, FallsAsInTenCatesExperiment) {
   constexpr double dx = 0.1 / 106;
   constexpr double nu = 0.373 / 970;
   fluid::Options options = test::box(106, 106, 170, 1.0);
-  options.storage = fluid::Storage::single_precision;
+  options.storage = fluid::Precision::single_precision;
   options.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, fluid::Boundary::halfway};
   fluid::Fluid fluid(MPI_COMM_SELF, options);
   const double dt = fluid.viscosity() * dx * dx / nu;

@@ -9,6 +9,7 @@ DEFAULTS = {
     "channel.half_width_y": 1.0, "channel.length": 12.0, "channel.wall_velocity": [0.0, 0.0],
     "channel.gravity": [0.0, 0.0, 0.0], "channel.start": "developed",
     "fluid.tau": 1.0, "fluid.collision": "bgk", "fluid.storage": "single",
+    "fluid.arithmetic": "single",
     "body.law": "skalak", "body.area_ratio": 2.0, "body.bending": 0.00287, "body.mobility": 0.001,
     "body.integrator": "explicit-euler", "body.theta": 0.5, "body.substeps": 1, "body.edge": 1.2,
     "body.frequency": 0, "body.iterations": 5, "body.memory": 0.0,

@@ -38,7 +38,7 @@ enum class Collision {
   trt   ///< two relaxation times: odd moments relax so that (tau - 1/2)(tau_odd - 1/2) = magic
 };
 
-enum class Storage { double_precision, single_precision };
+enum class Precision { double_precision, single_precision };
 
 /// All that defines a fluid; lattice units (dx = dt = rho0 = 1).
 struct Options {
@@ -54,8 +54,10 @@ struct Options {
   Collision collision = Collision::bgk;
   double magic = 3.0 / 16.0;                        ///< TRT only
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
-  /// Storage of the populations; arithmetic is always in double precision.
-  Storage storage = Storage::double_precision;
+  Precision storage = Precision::double_precision;  ///< of the populations
+  /// Of the collision. Single needs populations stored in single precision. What is told of the
+  /// fluid (fields(), totals(), read_velocity()) is computed in double either way.
+  Precision arithmetic = Precision::double_precision;
   /// The kernel runs on the widest that this machine has, unless one is given. Results do not
   /// depend on it.
   std::optional<InstructionSet> instruction_set;
@@ -108,7 +110,8 @@ class Fluid {
   /// Throws std::invalid_argument, on every rank, if tau <= 1/2, magic <= 0, an axis has fewer than
   /// 2 nodes (4 with walls on nodes), z is regularized, a wall velocity has a normal component,
   /// a mirror plane faces no wall, the force or a wall's velocity is not symmetric about it, there
-  /// are more ranks than planes, or a given instruction set is not available.
+  /// are more ranks than planes, arithmetic is single with double storage, or a given instruction
+  /// set is not available.
   Fluid(MPI_Comm comm, const Options& options);
   ~Fluid();
   Fluid(Fluid&&) noexcept;
