@@ -262,7 +262,7 @@ const std::vector<Key<ChannelOptions>>& channel_keys() {
 
 const std::vector<Key<FluidOptions>>& fluid_keys() {
   using F = FluidOptions;
-  const std::vector<std::pair<std::string_view, fluid::Precision>> precisions = {
+  static const std::vector<std::pair<std::string_view, fluid::Precision>> precisions = {
       {"double", fluid::Precision::double_precision},
       {"single", fluid::Precision::single_precision}};
   static const std::vector<Key<F>> keys = {
@@ -284,11 +284,10 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
           "results are told in the walls' frame either way"),
       choice<F, fluid::Precision>("storage", &F::storage, precisions,
                                   "Precision in which the populations are stored"),
-      choice<F, fluid::Precision>(
-          "arithmetic", &F::arithmetic, precisions,
-          "Precision in which the fluid collides; single needs single "
-          "storage. Bodies and forces on them are always computed in double",
-          "the storage's"),
+      choice<F, fluid::Precision>("arithmetic", &F::arithmetic, precisions,
+                                  "Precision in which the fluid collides; single needs single "
+                                  "storage. Bodies are always in double",
+                                  "the storage's"),
   };
   return keys;
 }

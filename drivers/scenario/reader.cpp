@@ -110,7 +110,8 @@ class Reader {
       fluid.arithmetic = fluid.storage;
     } else if (fluid.arithmetic == fluid::Precision::single_precision &&
                fluid.storage == fluid::Precision::double_precision) {
-      document_.fail("fluid.arithmetic", *arithmetic, "needs fluid.storage = \"single\"");
+      document_.fail("fluid.arithmetic", *arithmetic,
+                     "needs fluid.storage = \"single\"; with double storage take \"double\"");
     }
   }
 

@@ -30,7 +30,7 @@ Box FluidImpl::with_image(Box box) const {
 Box FluidImpl::box_around(const Box& reach) const {
   // How far the points may move before they leave the box: a node across the channel, two along it.
   constexpr std::array<int, 3> margin = {1, 1, 2};
-  constexpr int vector = 8;  // nodes that the widest kernel computes at a time
+  constexpr int vector = 8;  // nodes of a vector in double, of half a one in single
   const Box allowed = domain();
   Box box = reach;
   for (std::size_t axis = 0; axis < 3; ++axis) {

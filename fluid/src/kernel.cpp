@@ -272,12 +272,13 @@ template <class V>
 // without the force, and of the force F. In double precision q of relax(), and nothing beside.
 //
 // In single precision rounding must not lean to one side, or it is momentum gained in every step:
-// 1e-5 of a channel's flow. What leans is a factor that is rounded, as 1/12 would be by 3e-8, even
-// where the rest of it is made up for; a product whose factor is a simple fraction, as 1 - w- is;
-// and a constant force that is added to numbers of which the last digit is worth a part of it. So
-// there q is m/12, by a division, which is right to the last digit, and relaxation takes w- of what
-// d differs from its equilibrium by; the force is put beside q, and added to the even part of a
-// pair, the digits of which are worth less.
+// 1e-5 of a channel's flow. What leans is a factor of the momentum that is rounded, as 1/12 would
+// be by 3e-8; its product with a number of few digits, as 1 - w- may be, since what is rounded off
+// takes few values then; and a constant force that is added to numbers of which the last digit is
+// worth a part of it. So there q is m/12, by a division, which is right to the last digit, and
+//   d* = d - w- (d - 2 w_i 3 c.m) + 2 w_i 3 c.F;
+// the force is put beside q, and added to the even part of a pair, the digits of which are worth
+// less.
 template <class V>
 struct Odd {
   Vector<V> q;

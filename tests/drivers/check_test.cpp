@@ -164,7 +164,10 @@ TEST(Check, PopulationsAreCountedInBytes) {
 
 // Every coefficient tells itself apart.
 KnownSpeed known_speeds() {
-  return {4, {200e6, 300e6, 400e6}, {80e6, 90e6, 100e6}, {4e-7, 1e-8, 3e-8, 2e-8, 1e-6, 2e-7, 3e-6, 5e-7}};
+  return {4,
+          {200e6, 300e6, 400e6},
+          {80e6, 90e6, 100e6},
+          {4e-7, 1e-8, 3e-8, 2e-8, 1e-6, 2e-7, 3e-6, 5e-7}};
 }
 
 TEST(Check, AStepOfFluidTakesWhatWasMeasured) {

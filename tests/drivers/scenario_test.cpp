@@ -158,8 +158,7 @@ TEST(Scenario, ARetractionMayBeFelt) {
   EXPECT_GT(*felt, 0.4);
   EXPECT_EQ(retraction("membrane.retraction = \"felt\"\n" + capsule), felt);
   EXPECT_EQ(retraction("membrane.retraction = 0.2\n" + capsule), 0.2);
-  EXPECT_EQ(retraction("membrane.retraction = 0.2\n" + capsule + "retraction = \"felt\"\n"),
-            felt);
+  EXPECT_EQ(retraction("membrane.retraction = 0.2\n" + capsule + "retraction = \"felt\"\n"), felt);
   const Scenario s = read(capsule, "c");
   EXPECT_NE(resolved_toml(s).find("retraction = \"felt\""), std::string::npos);
 }
@@ -331,7 +330,8 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[rigid]\nretraction = 2.5\n",
        "case.toml:2:14: rigid.retraction = 2.5: must be \"felt\", or a number from 0 to 2"},
       {"[fluid]\nstorage = \"double\"\narithmetic = \"single\"\n",
-       "case.toml:3:14: fluid.arithmetic = \"single\": needs fluid.storage = \"single\""},
+       "case.toml:3:14: fluid.arithmetic = \"single\": needs fluid.storage = "
+       "\"single\"; with double storage take \"double\""},
       {"[membrane]\nlaw = \"hooke\"\n",
        "case.toml:2:7: membrane.law = \"hooke\": must be \"skalak\" or \"neo-hookean\""},
       {"name = 7\n",

@@ -363,8 +363,8 @@ TEST(Precision, SingleKeepsTheDuctFlow) {
   }
 }
 
-// Rounding that leans to one side is a force: a factor of the momentum that is rounded, by 3e-8, comes
-// to 3e-5 of what 2000 steps give a fluid that is free to move.
+// Rounding that leans to one side is a force: a factor of the momentum that is rounded, by 3e-8,
+// comes to 3e-5 of what 2000 steps give a fluid that is free to move.
 TEST(Precision, SingleLeansToNeitherSide) {
   for (const double tau : {1.0, 0.8, 0.6}) {
     for (const Collision collision : {Collision::bgk, Collision::trt}) {

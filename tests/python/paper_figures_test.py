@@ -750,7 +750,7 @@ class Partial(unittest.TestCase):
         self.writer.pair("B1", 0.2, "paper")
         study = self.study()
         said = figures.describe(study, "fig12")["caption"]
-        self.assertIn("Half of the channel was computed with membrane mobility: there the cell "
+        self.assertIn("Half of the channel was computed by the clean method: there the cell "
                       "cannot leave the plane", said)
         self.assertIn("half of the channel computed", "".join(
             text.get_text() for text in texts_of(drawn(study, "fig12"))))

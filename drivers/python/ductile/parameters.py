@@ -9,7 +9,6 @@ DEFAULTS = {
     "channel.half_width_y": 1.0, "channel.length": 12.0, "channel.wall_velocity": [0.0, 0.0],
     "channel.gravity": [0.0, 0.0, 0.0], "channel.start": "developed",
     "fluid.tau": 1.0, "fluid.collision": "bgk", "fluid.storage": "single",
-    "fluid.arithmetic": "single",
     "body.law": "skalak", "body.area_ratio": 2.0, "body.bending": 0.00287, "body.mobility": 0.001,
     "body.integrator": "explicit-euler", "body.theta": 0.5, "body.substeps": 1, "body.edge": 1.2,
     "body.frequency": 0, "body.iterations": 5, "body.memory": 0.0,
@@ -76,14 +75,19 @@ def said(key, value):
         return "walls at the sides" if value else "no side walls"
     if isinstance(value, str):
         return {"regularized": "regularized walls", "halfway": "half-way walls",
-                "rest": "from rest"}.get(value, value)
+                "rest": "from rest", "single": "single precision",
+                "double": "double precision"}.get(value, value)
     name, unit = called(key)
     return f"{name} = {number(value)}{' ' if unit else ''}{unit}"
 
 
 def together(parameters):
-    """The parameters that a picture may mention, with those that all bodies share as body.KEY."""
+    """The parameters that a picture may mention, with those that all bodies share as body.KEY, and
+    the fluid's precisions as one."""
     kept = {key: value for key, value in parameters.items() if not _LEFT_OUT.fullmatch(key)}
+    arithmetic = kept.pop("fluid.arithmetic", "double")  # as it was before it had a key
+    if kept.get("fluid.storage", arithmetic) != arithmetic:
+        kept["fluid.storage"] = f"{kept['fluid.storage']} storage, {arithmetic} arithmetic"
     names = bodies(kept)
     for own in dict.fromkeys(key.split(".", 2)[2] for key in kept if key.startswith("body.")):
         having = [f"body.{name}.{own}" for name in names if f"body.{name}.{own}" in kept]

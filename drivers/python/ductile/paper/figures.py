@@ -5,8 +5,8 @@
 
 Axes, panels and conventions are the paper's; its numbers, as far as its text states them, are thin
 dashed grey lines with small labels. Where both methods have been computed both are drawn: "clean",
-with the membrane's mobility, and "paper", without. What has not been computed is left out. All
-numbers are those of quantities.py.
+this program's own, and "paper", the paper's. What has not been computed is left out. All numbers
+are those of quantities.py.
 """
 import functools
 from collections.abc import Callable
@@ -43,7 +43,7 @@ SMALL = 6.0
 
 TIME, DISTANCE = r"$t\;\,[W^2/\nu]$", r"$\Delta z\;\,[W]$"
 X, X_LEAD, X_LAG = r"$x\;\,[W]$", r"$x_\mathrm{lead}\;\,[W]$", r"$x_\mathrm{lag}\;\,[W]$"
-METHOD_NAMES = {"clean": "with membrane mobility", "paper": "without, the paper's method"}
+METHOD_NAMES = {"clean": "by the clean method", "paper": "by the paper's method"}
 METHOD_STYLES = {"clean": STYLES[0], "paper": STYLES[1]}
 
 # Where the lagging body starts: a colour and a line style each, dark for the centre.
@@ -310,7 +310,7 @@ def _draw_types(_study, examples):
         t, dz = case.run.series("dz")
         axes.plot(t, dz, color=VERDICT_COLOURS[verdict], linestyle=style_of, zorder=3,
                   label=f"{verdict}: {_called(case)}"
-                  + (", without mobility" if case.method == "paper" else ""))
+                  + (", the paper's method" if case.method == "paper" else ""))
         drawn.append(dz)
         latest = max(latest, t[-1])
     axes.set(xlim=(0, latest), ylim=_limits(drawn, (0, 11)), xlabel=TIME, ylabel=DISTANCE)
@@ -321,7 +321,7 @@ def _draw_types(_study, examples):
 
 def _describe_types(_study, examples):
     kinds = [f"{verdict} ({case.campaign}, x_lag = {_number(case.start('lag'))}"
-             + (", without mobility)" if case.method == "paper" else ")")
+             + (", the paper's method)" if case.method == "paper" else ")")
              for verdict, case in examples.items()]
     missing = [verdict for verdict in _EXAMPLES if verdict not in examples]
     caption = (f"The axial distance Δz of one pair of each type against time: {_and(kinds)}. "
@@ -413,8 +413,8 @@ def _describe_map(study, found):
              for pair in PAIRS for x in X_LAGS for method in METHODS]
     caption = ("Classes of the pairs M1 to B4 over the start of the lagging body, the leading one "
                "starting at 0.2. In each cell, from the left: the paper's class (Fig. 4, which is "
-               "the cell's colour too), ours with membrane mobility (clean) and ours without, the "
-               "paper's method (pure); rigid bodies (M3) are computed once. A frame says that the "
+               "the cell's colour too), ours by the clean method and ours by the paper's (pure); "
+               "rigid bodies (M3) are computed once. A frame says that the "
                "class does not count as the paper's: of a stable pair it may swing before it "
                f"rests, of a bounded one it may come to rest. {_how(cases)}")
     alt = f"A map of 7 pairs by 5 starts: {'; '.join(texts)}."
@@ -689,7 +689,7 @@ def _describe_pairs(found, pairs, more):
             if lasts:
                 ends.append(f"{pair} {METHOD_NAMES[method]}: {', '.join(lasts)}")
     used = [case for own in found.values() for cases in own.values() for case in cases.values()]
-    blocks = ("Block (a) is with membrane mobility, block (b) without, as in the paper. "
+    blocks = ("Block (a) is by the clean method, block (b) by the paper's. "
               if len(found) > 1 else f"Shown is {_methods_drawn(used)}. ")
     caption = (f"Lateral positions of the leading and the lagging body and their axial distance "
                f"Δz against time, for the pairs {_and(pairs)}, five starts x_lag and x_lead = 0.2. "
@@ -769,8 +769,8 @@ def _describe_migration(study, found):
     cases = [study.pair("M1", x, method) for x in X_LAGS for method in METHODS]
     caption = ("Time that the bodies of the pair M1 take to come within 10⁻³ W of the centre for "
                "good, over that of a single body from the same distance, against the start of the "
-               "lagging one. Filled signs are with membrane mobility, open ones without. Carets "
-               "at 1 say on which side the paper has each. At x_lag = 0 the lagging body starts "
+               "lagging one. Filled signs are by the clean method, open ones by the paper's. "
+               "Carets at 1 say on which side the paper has each. At x_lag = 0 the lagging body starts "
                f"where single ones stay. {beyond} of the ratios have a time that is extrapolated "
                "along the exponential that the body follows."
                + (f" No time could be told for {_and(missing)}." if missing else "")
@@ -1154,8 +1154,8 @@ def _describe_equilibria(study, found):
     cases = [study.pair(pair, x, method)
              for pair in PAIRS for x in X_LAGS for method in METHODS]
     caption = ("The axial distance Δz_eq that the stable pairs come to, against the start of the "
-               "lagging body. Filled signs are with membrane mobility, open ones without; bars are "
-               "errors, and wide pale ones the range of oscillations that go on. Pairs that are "
+               "lagging body. Filled signs are by the clean method, open ones by the paper's; "
+               "bars are errors, and wide pale ones the range of oscillations that go on. Pairs that are "
                f"unstable, or undecided by the end of the run, have none. {DASHED} {UNITS} "
                f"{_how(cases)}")
     return caption, f"Equilibrium distances against x_lag. {'. '.join(texts)}."
@@ -1340,7 +1340,7 @@ def _describe_artefact(_study, found):
     used = [case for own in found.values() for case in own.values()]
     caption = ("Strain on the scale of the lattice spacing gives the fluid no force, so that "
                "nothing relaxes it; it piles up where the membrane has no mobility. Above: strain "
-               "energy of single capsules against time, logarithmic, with mobility and without. "
+               "energy of single capsules against time, logarithmic, by both methods. "
                f"Below: where they go. {DASHED} {UNITS} {_how(used)}")
     return caption, f"Strain energies against time: {'; '.join(texts)}."
 

@@ -17,7 +17,7 @@ of report.html.j2, report.css and report.js beside this file.
                 and a `text` of what the paper says and where; `ours`, {"clean": RUN or None,
                 "paper": RUN or None}; `finer`, {"clean": [RUN ...], "paper": [RUN ...]}, the same
                 on finer lattices; `outcome`, one of those of COUNTS; `changes_with_resolution`;
-                `explanation`, of a difference, or "". Rigid bodies know no method: what is None of
+                `explanation`, of a difference, or "". Rigid bodies are computed once: what is None of
                 the pair M3 by the paper's is taken from "clean"
     statements  of the paper, in words: `id`, `figure` ("fig7") or None, `source` ("section 3.1.2"),
                 what it `says`, `ours`, `outcome`: "confirmed", "not confirmed", "undecided",

@@ -183,7 +183,7 @@ def main(arguments=None):
     sizes.add_argument("--paper", dest="size", action="store_const", const="paper",
                        help="on the paper's lattices, of 90 and 75 nodes: for a large machine")
     parser.add_argument("--method", choices=METHODS,
-                        help="one method alone: clean, this program's, or paper, without mobility")
+                        help="one method alone: clean, this program's, or paper, the paper's")
     parser.add_argument("--finer", action="store_true",
                         help=f"the pairs whose verdict is not the paper's at {FINER} nodes too")
     parser.add_argument("-o", "--output", type=Path, metavar="DIR",

@@ -36,7 +36,7 @@ class Finding:
 @dataclass(frozen=True)
 class Statement:
     """What the paper says: `name`, `figure` ("fig7") or None, `source`, and its words; `decide`
-    takes a study and a method. `rigid`, whether it is of rigid bodies, which know no method."""
+    takes a study and a method. `rigid`, whether it is of rigid bodies, which are computed once."""
     name: str
     figure: str | None
     source: str

@@ -23,8 +23,8 @@ _HOW = re.compile(r"(clean|paper)-(\d+)(?:_|$)")
 class Case:
     """A case of the study that has some rows.
 
-    `method` is "clean", with the membrane's mobility, or "paper", without; `nodes` those across the
-    channel. Rigid bodies know no mobility: theirs are all "clean", and stand for both.
+    `method` is "clean", this program's own, or "paper", the paper's; `nodes` those across the
+    channel. Rigid bodies are computed once: theirs are all "clean", and stand for both.
     """
     campaign: str
     name: str

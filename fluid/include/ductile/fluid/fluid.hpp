@@ -55,8 +55,9 @@ struct Options {
   double magic = 3.0 / 16.0;                        ///< TRT only
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
   Precision storage = Precision::double_precision;  ///< of the populations
-  /// Of the collision. Single needs populations stored in single precision. What is told of the
-  /// fluid (fields(), totals(), read_velocity()) is computed in double either way.
+  /// Of the collision, and so of the forces that it takes and of the velocity that it leaves in
+  /// boxes. Single needs populations stored in single precision. What is asked of the fluid
+  /// (fields(), totals(), flow(), read_velocity()) is computed in double either way.
   Precision arithmetic = Precision::double_precision;
   /// The kernel runs on the widest that this machine has, unless one is given. Results do not
   /// depend on it.
@@ -180,11 +181,11 @@ class Fluid {
   Totals totals();
   /// The integral of u_z (half of the uniform force in) over the fluid's volume, summed as Totals
   /// are: over the number of planes it is the flow rate, by the trapezoidal rule where walls lie on
-  /// nodes, else by that of midpoints. Takes about half as long as a step. Collective.
+  /// nodes, else by that of midpoints. Takes half as long as a step or more. Collective.
   double flow();
-  /// Whether density and velocity are finite numbers, on every rank alike. Cheap, for looking often:
-  /// only some nodes are looked at, but what is not finite spreads by a node in each step, so that
-  /// eight steps after it began none is missed. Collective.
+  /// Whether density and velocity are finite numbers, on every rank alike. Cheap, for looking
+  /// often: only some nodes are looked at, but what is not finite spreads by a node in each step,
+  /// so that eight steps after it began none is missed. Collective.
   bool finite();
 
   /// Writes all that determines the future but force that points have added since the last step.
