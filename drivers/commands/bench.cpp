@@ -21,7 +21,7 @@ CLI::App* BenchCommand::declare(CLI::App& program) {
       ->check(CLI::Range(1, 1000));
   command->add_flag("--json", options_.json, "Print JSON, with every repeat");
   command->footer(
-      "Takes one to two minutes; run it under mpirun, on a machine that does nothing else. With\n"
+      "Takes about two minutes; run it under mpirun, on a machine that does nothing else. With\n"
       "the default --nodes it keeps the speed of the fluid and what bodies cost, from\n"
       "which `ductile check` estimates durations.");
   return command;

@@ -55,7 +55,7 @@ struct BenchResult {
   BodyCosts bodies;  ///< of rank 0, alone
 };
 
-/// Of 90 nodes and the usual repeats, one to two minutes. Collective; the result is rank 0's.
+/// Of 90 nodes and the usual repeats, about two minutes. Collective; the result is rank 0's.
 /// Throws InputError, on every rank, if the fluids that are there at a time exceed the memory of
 /// rank 0's machine, or if there are more ranks than planes of nodes.
 BenchResult measure(const BenchOptions& options, MPI_Comm comm);
