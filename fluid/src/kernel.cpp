@@ -328,7 +328,8 @@ template <class V, class Real>
 
   const T keep_even = static_cast<T>(0.5 * (1 - wp));
   store(row.rest + k, static_cast<T>(1 - wp) * nodes.rest + T{12} * s);
-  const auto put = [&]<int p>(V even, V odd, V more) __attribute__((always_inline)) {
+  const auto put = [&]<int p>(V even, V odd, [[maybe_unused]] V more)
+      __attribute__((always_inline)) {
     const V t = keep_even * nodes.t[p] + even;
     if constexpr (is_single<V>) {
       const V half = T{0.5} * nodes.d[p];
