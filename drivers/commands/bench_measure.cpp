@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -150,33 +151,24 @@ BenchTable Bench::run(const BenchPrecision& precision) {
   BenchTable table;
   table.precision = precision;
   const int n = options_.nodes;
-  const BenchPrecision slower{precision.storage, double_precision};
-  const bool compared = precision.arithmetic == single_precision;
-  const std::string double_arithmetic = "double arithmetic";
+  const auto double_arithmetic = [&](fluid::Boundary walls) -> Reference {
+    if (precision.arithmetic == double_precision) return {};
+    const BenchPrecision slower{precision.storage, double_precision};
+    const auto other = std::make_shared<fluid::Fluid>(comm_, channel(n, slower, walls));
+    return {"double arithmetic", [other] { other->step(); }};
+  };
   fluid::Fluid streamed(comm_, channel(n, precision, fluid::Boundary::halfway));
   const auto ceiling = [&] { fluid::stream_only(streamed); };
   {
     fluid::Fluid walls(comm_, channel(n, precision, fluid::Boundary::regularized));
-    std::optional<fluid::Fluid> other;
-    Reference reference;
-    if (compared) {
-      other.emplace(comm_, channel(n, slower, fluid::Boundary::regularized));
-      reference = {double_arithmetic, [&] { other->step(); }};
-    }
     row(
-        table, "fluid, walls on nodes", ranks_, [&] { walls.step(); }, ceiling, reference);
+        table, "fluid, walls on nodes", ranks_, [&] { walls.step(); }, ceiling,
+        double_arithmetic(fluid::Boundary::regularized));
   }
   fluid::Fluid fluid(comm_, channel(n, precision, fluid::Boundary::halfway));
   const Reference alone{"the fluid alone", [&] { fluid.step(); }};
-  {
-    std::optional<fluid::Fluid> other;
-    Reference reference;
-    if (compared) {
-      other.emplace(comm_, channel(n, slower, fluid::Boundary::halfway));
-      reference = {double_arithmetic, [&] { other->step(); }};
-    }
-    row(table, "fluid, half-way walls", ranks_, alone.step, ceiling, reference);
-  }
+  row(table, "fluid, half-way walls", ranks_, alone.step, ceiling,
+      double_arithmetic(fluid::Boundary::halfway));
   // Rows for one rank, which works while the others wait, are compared with this.
   const std::string all_ranks = fmt::format("{} ranks", ranks_);
   if (ranks_ > 1) {
