@@ -71,7 +71,7 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total,
     host.id = member.id;
     host.body = member.body;
     host.corrections = member.body->corrections();
-    host.response = MarkerResponse(*fluid.options().instruction_set);
+    host.response = MarkerResponse(fluid.options().mirror, *fluid.options().instruction_set);
     const std::size_t size = 3 * member.body->marker_count();
     host.position.resize(size);
     host.force.resize(size);
@@ -152,7 +152,7 @@ void Coupler::Impl::correct_forces(Round round) {
        public:
         explicit Lazy(Host& host) : host_(host) {}
         void apply(std::span<const double> force, std::span<double> velocity) const override {
-          if (!host_.located) host_.response.locate(host_.position);
+          if (!host_.located) host_.response.locate(host_.position, host_.share);
           host_.located = true;
           host_.response.apply(force, velocity);
         }
@@ -270,6 +270,19 @@ bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
   return true;
 }
 
+// Whether the host has markers on both sides of the plane.
+bool crosses_mirror(fluid::Mirror mirror, const Host& host) {
+  if (mirror == fluid::Mirror::none) return false;
+  const double plane = mirror == fluid::Mirror::on_node ? 0 : -0.5;
+  bool above = false;
+  bool below = false;
+  for (std::size_t n = 1; n < host.position.size(); n += 3) {
+    above = above || host.position[n] > plane;
+    below = below || host.position[n] < plane;
+  }
+  return above && below;
+}
+
 // Lays the boxes around the bodies, and finds out which ranks they touch.
 void Coupler::Impl::lay_out() {
   constexpr std::size_t numbers = 9;
@@ -279,6 +292,7 @@ void Coupler::Impl::lay_out() {
     fluid::Box box{};
     const auto reach = reach_of(host);
     if (reach && fits(host, *reach)) box = fluid_.box_around(*reach);
+    host.share = crosses_mirror(fluid_.options().mirror, host) ? 0.5 : 1;
     int* row = &table[static_cast<std::size_t>(host.id) * numbers];
     row[0] = comm_.rank();
     row[1] = static_cast<int>(host.body->marker_count());

@@ -71,13 +71,14 @@ void Markers::to_guests(Round round, bool with_positions) {
     std::vector<double>& buffer = stays(route) ? guest_of(route).data : route.buffer;
     buffer.resize(numbers * route.markers.size());
     double* to = buffer.data();
-    const auto pack = [&](std::span<const double> values) {
+    const auto pack = [&](std::span<const double> values, double factor) {
       for (const int m : route.markers) {
-        to = std::copy_n(&values[3 * static_cast<std::size_t>(m)], 3, to);
+        const double* from = &values[3 * static_cast<std::size_t>(m)];
+        for (int axis = 0; axis < 3; ++axis) *to++ = factor * from[axis];
       }
     };
-    if (with_positions) pack(host.position);
-    pack(host.force);
+    if (with_positions) pack(host.position, 1);
+    pack(host.force, host.share);
     if (stays(route)) continue;
     mpi_check(MPI_Isend(buffer.data(), static_cast<int>(buffer.size()), MPI_DOUBLE, route.rank,
                         host.id, comm_.get(), &requests.emplace_back()),

@@ -28,6 +28,9 @@ struct Host {
   int id = 0;
   Body* body = nullptr;
   int corrections = 0;
+  /// Of its force, what it exerts itself: half where a mirror plane makes the body its own image,
+  /// which exerts the other half.
+  double share = 1;
   std::vector<double> position;  ///< of its markers, on the lattice
   std::vector<double> force;     ///< what it adds now
   std::vector<double> velocity;  ///< of its markers, with the force so far

@@ -17,9 +17,11 @@ const ResponseKernel& response_kernel([[maybe_unused]] fluid::InstructionSet set
   return baseline::response_kernel();
 }
 
-MarkerResponse::MarkerResponse(fluid::InstructionSet set) : kernel_(&response_kernel(set)) {}
+MarkerResponse::MarkerResponse(fluid::Mirror mirror, fluid::InstructionSet set)
+    : mirror_(mirror), kernel_(&response_kernel(set)) {}
 
-void MarkerResponse::locate(std::span<const double> positions) {
+void MarkerResponse::locate(std::span<const double> positions, double share) {
+  share_ = share;
   const std::size_t count = positions.size() / 3;
   std::array<int, 3> low{};
   std::array<int, 3> high{};
@@ -27,6 +29,11 @@ void MarkerResponse::locate(std::span<const double> positions) {
     const int base = fluid::first_node(positions[n]);
     low[n % 3] = n < 3 ? base : std::min(low[n % 3], base);
     high[n % 3] = n < 3 ? base : std::max(high[n % 3], base);
+  }
+  low_y_ = low[1];
+  if (mirror_ != fluid::Mirror::none) {
+    // Room for the images of the nodes below the plane.
+    high[1] = std::max(high[1], fluid::image(mirror_, low[1]) - 3);
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
     size_[axis] = static_cast<std::size_t>(high[axis] - low[axis]) + 4;
@@ -50,8 +57,31 @@ void MarkerResponse::locate(std::span<const double> positions) {
 
 void MarkerResponse::apply(std::span<const double> force, std::span<double> velocity) const {
   std::fill(grid_.begin(), grid_.end(), 0.0);
-  kernel_->respond(markers_.data(), markers_.size(), size_.data(), force.data(), grid_.data(),
-                   velocity.data());
+  kernel_->spread(markers_.data(), markers_.size(), size_.data(), force.data(), grid_.data());
+  fold();
+  kernel_->gather(markers_.data(), markers_.size(), size_.data(), grid_.data(), velocity.data());
+}
+
+// The fluid's share of the force, with its image in a mirror plane.
+void MarkerResponse::fold() const {
+  if (mirror_ == fluid::Mirror::none || (share_ == 1 && low_y_ > 0)) return;
+  const auto row = [&](std::size_t i, int y) {
+    return &grid_[4 * (i * size_[1] + static_cast<std::size_t>(y - low_y_)) * size_[2]];
+  };
+  const int end = low_y_ + static_cast<int>(size_[1]);
+  for (std::size_t i = 0; i < size_[0]; ++i) {
+    for (int y = std::max(0, low_y_); y < end; ++y) {
+      const int image = fluid::image(mirror_, y);
+      double* high = row(i, y);
+      double* low = image >= low_y_ ? row(i, image) : nullptr;
+      for (std::size_t n = 0; n < 4 * size_[2]; ++n) {
+        const double sign = n % 4 == 1 ? -1 : 1;
+        const double sum = share_ * (low ? high[n] + sign * low[n] : high[n]);
+        high[n] = sum;
+        if (low) low[n] = sign * sum;
+      }
+    }
+  }
 }
 
 }  // namespace ductile::coupling

@@ -25,18 +25,20 @@ template <int N>
   __builtin_memcpy(to, &values, sizeof values);
 }
 
-void respond(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
-             const double* force, double* grid, double* velocity) {
-  const auto row = [=](const ResponseMarker& marker, std::size_t i, std::size_t j)
-      __attribute__((always_inline)) {
-    return grid + 4 * (marker.corner + (i * size[1] + j) * size[2]);
-  };
+// Where four nodes begin, of row (i, j) of the 4 x 4 that a marker meets.
+[[gnu::always_inline]] inline std::size_t row(const ResponseMarker& marker, const std::size_t* size,
+                                              std::size_t i, std::size_t j) {
+  return 4 * (marker.corner + (i * size[1] + j) * size[2]);
+}
+
+void spread(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
+            const double* force, double* grid) {
   for (std::size_t m = 0; m < count; ++m) {
     const ResponseMarker& marker = markers[m];
     const Lanes<4> f = {force[3 * m], force[3 * m + 1], force[3 * m + 2], 0};
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = 0; j < 4; ++j) {
-        double* node = row(marker, i, j);
+        double* node = grid + row(marker, size, i, j);
         const Lanes<4> g = marker.across[4 * i + j] * f;
         // A node at a time: what the marker before has just stored is then loaded as it was stored.
         for (std::size_t k = 0; k < 4; ++k) {
@@ -45,13 +47,17 @@ void respond(const ResponseMarker* markers, std::size_t count, const std::size_t
       }
     }
   }
+}
+
+void gather(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
+            const double* grid, double* velocity) {
   for (std::size_t m = 0; m < count; ++m) {
     const ResponseMarker& marker = markers[m];
     Lanes<8> first{};  // two nodes at a time
     Lanes<8> second{};
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = 0; j < 4; ++j) {
-        const double* node = row(marker, i, j);
+        const double* node = grid + row(marker, size, i, j);
         const double w = marker.across[4 * i + j];
         first += w * load<8>(node);
         second += w * load<8>(node + 8);
@@ -71,7 +77,7 @@ void respond(const ResponseMarker* markers, std::size_t count, const std::size_t
 namespace DUCTILE_INSTRUCTION_SET {
 
 const ResponseKernel& response_kernel() {
-  static constexpr ResponseKernel functions = {respond};
+  static constexpr ResponseKernel functions = {spread, gather};
   return functions;
 }
 

@@ -16,9 +16,12 @@ struct ResponseMarker {
 
 /// The same bits with each instruction set.
 struct ResponseKernel {
-  /// As MarkerResponse::apply(); `grid` holds zeros.
-  void (*respond)(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
-                  const double* force, double* grid, double* velocity);
+  /// The markers' force is added to the grid: x y z and a gap at each node, z fastest.
+  void (*spread)(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
+                 const double* force, double* grid);
+  /// Half of what the grid holds is told to the markers: the velocity.
+  void (*gather)(const ResponseMarker* markers, std::size_t count, const std::size_t* size,
+                 const double* grid, double* velocity);
 };
 
 /// response_kernel.cpp, compiled once for each of them.

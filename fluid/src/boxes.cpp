@@ -148,20 +148,46 @@ void FluidImpl::drop_force() {
   }
 }
 
-// Force below a mirror plane is not used. Along y on a plane of nodes, what a body gives from both
-// sides cancels but for round-off.
-void FluidImpl::drop_image_force() {
+// Where force has an image, the two are added up above the plane, and nothing is left below: done
+// again it changes nothing, so force may be added in between.
+void FluidImpl::fold_force() {
   if (options_.mirror == Mirror::none) return;
   for (Patch& patch : patches_) {
     for (int i = 0; i < patch.size[0]; ++i) {
-      for (int y = patch.begin[1]; y <= std::min(0, image(0)); ++y) {
-        const auto first = static_cast<std::size_t>(patch.at(i, y - patch.begin[1], -Patch::pad));
+      for (int y = patch.begin[1]; y < 0; ++y) {
+        const std::ptrdiff_t low = patch.at(i, y - patch.begin[1], 0);
+        const std::ptrdiff_t high = patch.at(i, image(y) - patch.begin[1], 0);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          if (y < 0 || axis == 1) std::fill_n(&patch.force[axis][first], patch.pitch, 0.0);
+          const double sign = axis == 1 ? -1 : 1;
+          double* f = patch.force[axis].data();
+          for (int k = 0; k < patch.size[2]; ++k) f[high + k] += sign * f[low + k];
+          std::fill_n(f + low - Patch::pad, patch.pitch, 0.0);
         }
+      }
+      if (const auto first = row_on_plane(patch, i)) {
+        std::fill_n(&patch.force[1][*first], patch.pitch, 0.0);
       }
     }
   }
+}
+
+void FluidImpl::double_force_on_plane() {
+  for (Patch& patch : patches_) {
+    for (int i = 0; i < patch.size[0]; ++i) {
+      const auto first = row_on_plane(patch, i);
+      for (std::ptrdiff_t n = 0; first && n < patch.pitch; ++n) {
+        patch.force[0][*first + static_cast<std::size_t>(n)] *= 2;
+        patch.force[2][*first + static_cast<std::size_t>(n)] *= 2;
+      }
+    }
+  }
+}
+
+// Where the row of nodes begins that is its own image, padding included.
+std::optional<std::size_t> FluidImpl::row_on_plane(const Patch& patch, int i) const {
+  const int j = -patch.begin[1];
+  if (options_.mirror != Mirror::on_node || j < 0 || j >= patch.size[1]) return std::nullopt;
+  return static_cast<std::size_t>(patch.at(i, j, -Patch::pad));
 }
 
 void FluidImpl::fill_image(const Patch& patch, std::vector<double>& values, double sign) const {
@@ -181,10 +207,14 @@ void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<double>, 3
 }
 
 void FluidImpl::update_velocity() {
-  drop_image_force();
+  fold_force();
   for (Patch& patch : patches_) {
     const int rows = patch.size[0] * patch.size[1];
     for (int r = 0; r < rows; ++r) {
+      // On a mirror plane the image's force is still to be added.
+      const bool on_plane =
+          options_.mirror == Mirror::on_node && patch.begin[1] + r % patch.size[1] == 0;
+      const double half = on_plane ? 1 : 0.5;
       const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double* u = patch.velocity[axis].data() + first;
@@ -197,7 +227,7 @@ void FluidImpl::update_velocity() {
 #pragma GCC ivdep
 #endif
         for (int k = 0; k < patch.size[2]; ++k) {
-          u[k] = (momentum[k] + 0.5 * force[k]) / density[k];
+          u[k] = (momentum[k] + half * force[k]) / density[k];
         }
       }
     }

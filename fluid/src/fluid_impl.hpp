@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,9 +62,7 @@ class FluidImpl {
     return options_.boundary[2] == Boundary::periodic ? options_.nodes[2] : 0;
   }
   /// The node of which node y is the image in the mirror plane, and the other way round.
-  [[nodiscard]] int image(int y) const {
-    return options_.mirror == Mirror::between_nodes ? -1 - y : -y;
-  }
+  [[nodiscard]] int image(int y) const { return fluid::image(options_.mirror, y); }
   /// Which of the two states of the AA pattern the populations are in.
   [[nodiscard]] bool odd() const { return odd_; }
   [[nodiscard]] std::size_t column(int x, int y) const {
@@ -72,8 +71,10 @@ class FluidImpl {
   }
 
   void drop_force();
-  /// Takes from the patches' force what a mirror plane leaves without effect.
-  void drop_image_force();
+  /// The image of force below a mirror plane is added above it, along y on it cancelled.
+  void fold_force();
+  /// Adds the image of force on a mirror plane that goes through nodes; once a step.
+  void double_force_on_plane();
   /// Values of a patch below a mirror plane become the images of those above.
   void fill_image(const Patch& patch, std::vector<double>& values, double sign) const;
   void fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const;
@@ -95,6 +96,7 @@ class FluidImpl {
  private:
   void place_patches(int index);
   void list_met();
+  [[nodiscard]] std::optional<std::size_t> row_on_plane(const Patch& patch, int i) const;
   [[nodiscard]] std::vector<double> of_all_planes(const std::vector<double>& own, int each) const;
 };
 

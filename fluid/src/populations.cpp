@@ -251,7 +251,8 @@ void Populations<Real, T>::collide_row(const Row<Real>& row, int x, int y) {
 // them. The row's own ends are laid one row ahead, and fetched into the cache two rows ahead.
 template <class Real, class T>
 void Populations<Real, T>::step() {
-  drop_image_force();
+  fold_force();
+  double_force_on_plane();
   halo_.begin_step();
   const bool around = options_.boundary[0] == Boundary::periodic;
   const int parts = halo_.parts();

@@ -35,6 +35,9 @@ void StepEquation::begin(Vec start, Vec drift, const Response& response, double 
 void StepEquation::lump() {
   petsc_check(VecSet(force_.get(), 1));
   apply_b(force_.get(), scale_.get());
+  // Each axis answers alike, but for a mirror plane, across which equal forces along y cancel.
+  const VecArray<double> rows(scale_.get());
+  for (std::size_t n = 0; n < rows.size(); n += 3) rows[n + 1] = rows[n];
   petsc_check(VecReciprocal(scale_.get()));
 }
 

@@ -36,7 +36,7 @@ class StepEquation {
 
   /// The step to solve, from `start`; all three must live until it is solved.
   void begin(Vec start, Vec drift, const Response& response, double h);
-  /// The equation is meant to be linearised anew: takes the row sums of B.
+  /// The equation is meant to be linearised anew: takes the row sums of B, along y those along x.
   void lump();
 
   /// Turns y into F, and F into y.

@@ -29,6 +29,14 @@ fluid::NodeState uniform(const Eigen::Vector3d& u) {
   return s;
 }
 
+std::vector<double> random_numbers(std::size_t count, double low, double high, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(low, high);
+  std::vector<double> v(count);
+  for (double& x : v) x = number(random);
+  return v;
+}
+
 TEST(Coupler, TracersMoveWithTheFluidRoundThePeriodicEnd) {
   fluid::Fluid fluid(MPI_COMM_SELF, box(12));
   const Eigen::Vector3d u(0.002, -0.001, 0.05);
@@ -65,10 +73,7 @@ TEST(Coupler, FluidGainsTheBodiesForceAsMomentum) {
     for (std::size_t n = 0; n < force.size(); ++n)
       force[n] = 1e-4 * std::sin(7.0 * x[n] + static_cast<double>(n));
   };
-  std::vector<double> x(3 * 30);
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> place(3, 10);
-  for (double& c : x) c = place(random);
+  const std::vector<double> x = random_numbers(3 * 30, 3, 10, 1);
   Explicit one({x.begin(), x.begin() + 45}, law);
   Explicit two({x.begin() + 45, x.end()}, law);
   Coupler coupler(fluid, {{1, &two}, {0, &one}}, 2);
@@ -132,6 +137,108 @@ TEST(Coupler, ResponseIsTheFluidsOwn) {
     for (const double c : {spring.x[0] - 5.5, spring.x[1] - 6.0, spring.x[2] - 5.4}) {
       EXPECT_LT(std::abs(c), 0.01);
     }
+  }
+}
+
+// Exerts forces in a first correction, and remembers what the response says of them and what the
+// fluid tells.
+class Asking final : public coupling::Body {
+ public:
+  Asking(std::vector<double> start, std::vector<double> force)
+      : x_(std::move(start)), force_(std::move(force)), expected(x_.size()) {}
+  [[nodiscard]] std::size_t marker_count() const override { return x_.size() / 3; }
+  [[nodiscard]] std::span<const double> positions() const override { return x_; }
+  [[nodiscard]] int corrections() const override { return 1; }
+  void predict_force(std::span<double>) override {}
+  void correct_force(std::span<const double> u, const coupling::Response& response,
+                     std::span<double> increment) override {
+    response.apply(force_, expected);
+    for (std::size_t n = 0; n < u.size(); ++n) expected[n] += u[n];
+    std::copy(force_.begin(), force_.end(), increment.begin());
+  }
+  void advance(std::span<const double> u) override { told.assign(u.begin(), u.end()); }
+
+ private:
+  std::vector<double> x_;
+  std::vector<double> force_;
+
+ public:
+  std::vector<double> expected;
+  std::vector<double> told;
+};
+
+// Also of markers that are not symmetric about a mirror plane, across it or near it on one side.
+TEST(Coupler, ResponseIsTheFluidsOwnAtAMirrorPlane) {
+  for (const fluid::Mirror mirror :
+       {fluid::Mirror::none, fluid::Mirror::between_nodes, fluid::Mirror::on_node}) {
+    fluid::Options o = box(14);
+    o.boundary[1] = fluid::Boundary::halfway;
+    o.mirror = mirror;
+    for (const auto& [low, high] :
+         {std::pair(-3.0, 4.0), std::pair(0.2, 4.0), std::pair(-4.0, -0.6)}) {
+      const double y = mirror == fluid::Mirror::none ? 6 : 0;
+      std::vector<double> x = random_numbers(3 * 50, 4, 9, 1);
+      const std::vector<double> across = random_numbers(50, y + low, y + high, 2);
+      for (std::size_t m = 0; m < 50; ++m) x[3 * m + 1] = across[m];
+      fluid::Fluid fluid(MPI_COMM_SELF, o);
+      Asking body(x, random_numbers(x.size(), -1e-3, 1e-3, 3));
+      Coupler coupler(fluid, {{0, &body}}, 1);
+      coupler.step();
+      for (std::size_t n = 0; n < x.size(); ++n)
+        ASSERT_NEAR(body.told[n], body.expected[n], 1e-17) << low << ' ' << high << ' ' << n;
+    }
+  }
+}
+
+// A body that leaves a mirror plane on one side has an image on the other, which it feels.
+TEST(Coupler, ABodyBesideAMirrorPlaneMeetsItsImage) {
+  constexpr std::size_t markers = 40;
+  const auto law = [](double plane, double sign) {
+    return [=](std::span<const double> x, std::span<double> force) {
+      for (std::size_t n = 0; n < x.size(); n += 3) {
+        force[n] = 1e-3 * std::sin(x[n]);
+        force[n + 1] = sign * 1e-3 * std::cos(x[n + 2] + sign * (x[n + 1] - plane));
+        force[n + 2] = 2e-3 * std::cos(x[n]);
+      }
+    };
+  };
+  const std::vector<double> cloud = random_numbers(3 * markers, 0.4, 3, 9);
+  const auto at = [&](double y, double sign) {
+    std::vector<double> x = cloud;
+    for (std::size_t n = 0; n < x.size(); n += 3) {
+      x[n] += 4;
+      x[n + 1] = y + sign * x[n + 1];
+      x[n + 2] += 4;
+    }
+    return x;
+  };
+  for (const fluid::Mirror mirror : {fluid::Mirror::between_nodes, fluid::Mirror::on_node}) {
+    const bool between = mirror == fluid::Mirror::between_nodes;
+    fluid::Options half = box(12);
+    half.nodes[1] = 7;
+    half.boundary[1] = fluid::Boundary::halfway;
+    fluid::Options whole = half;
+    half.mirror = mirror;
+    whole.nodes[1] = between ? 14 : 13;
+    const double low = between ? -0.5 : 0;
+    const double middle = 0.5 * (whole.nodes[1] - 1);
+    fluid::Fluid half_fluid(MPI_COMM_SELF, half);
+    fluid::Fluid whole_fluid(MPI_COMM_SELF, whole);
+    Explicit alone(at(low, 1), law(low, 1));
+    Explicit body(at(middle, 1), law(middle, 1));
+    Explicit image(at(middle, -1), law(middle, -1));
+    Coupler in_half(half_fluid, {{0, &alone}}, 1);
+    Coupler in_whole(whole_fluid, {{0, &body}, {1, &image}}, 2);
+    double fastest = 0;
+    for (int step = 0; step < 20; ++step) {
+      in_half.step();
+      in_whole.step();
+      for (std::size_t n = 0; n < alone.x.size(); ++n) {
+        ASSERT_NEAR(alone.velocity[n], body.velocity[n], 1e-15) << step << ' ' << n;
+        fastest = std::max(fastest, std::abs(body.velocity[n]));
+      }
+    }
+    EXPECT_GT(fastest, 1e-3);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <tuple>
 
 namespace {
 
@@ -27,7 +28,7 @@ TEST(Response, IsTheSameWithEachInstructionSet) {
   for (const auto set : {fluid::InstructionSet::baseline, fluid::InstructionSet::avx2,
                          fluid::InstructionSet::avx512}) {
     if (!fluid::available(set)) continue;
-    MarkerResponse response(set);
+    MarkerResponse response(fluid::Mirror::none, set);
     response.locate(x);
     std::vector<double> velocity(3 * markers);
     response.apply(force, velocity);
@@ -39,11 +40,14 @@ TEST(Response, IsTheSameWithEachInstructionSet) {
   }
 }
 
-TEST(Response, IsSymmetricAndPositiveSemiDefinite) {
+class OfFluid : public testing::TestWithParam<std::tuple<fluid::Mirror, double>> {};
+
+TEST_P(OfFluid, IsSymmetricAndPositiveSemiDefinite) {
   constexpr std::size_t markers = 40;
   const std::vector<double> x = random_numbers(3 * markers, -4, 4, 5);
-  MarkerResponse response;
-  response.locate(x);
+  const auto [mirror, share] = GetParam();
+  MarkerResponse response(mirror);
+  response.locate(x, share);
   for (unsigned seed = 0; seed < 20; ++seed) {
     const std::vector<double> a = random_numbers(3 * markers, -1, 1, 10 + seed);
     const std::vector<double> b = random_numbers(3 * markers, -1, 1, 100 + seed);
@@ -63,5 +67,12 @@ TEST(Response, IsSymmetricAndPositiveSemiDefinite) {
     EXPECT_GE(aa, 0);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Response, OfFluid,
+                         testing::Values(std::tuple(fluid::Mirror::none, 1.0),
+                                         std::tuple(fluid::Mirror::between_nodes, 0.5),
+                                         std::tuple(fluid::Mirror::between_nodes, 1.0),
+                                         std::tuple(fluid::Mirror::on_node, 0.5),
+                                         std::tuple(fluid::Mirror::on_node, 1.0)));
 
 }  // namespace

@@ -59,7 +59,8 @@ double eta_of(const Options& o, int y) {
   return y - plane;
 }
 
-// Below the plane and along y on it, the half's force is not used: it is given nonsense.
+// The half is given half of the force, on both sides: each is the other's image, and adds it. Along
+// y on the plane nothing is left of it.
 void force(Fluid& fluid, int step) {
   const bool mirrored = fluid.options().mirror != Mirror::none;
   for (Patch& patch : patches(fluid)) {
@@ -68,7 +69,7 @@ void force(Fluid& fluid, int step) {
         for (int k = 0; k < patch.size[2]; ++k) {
           const double eta = eta_of(fluid.options(), patch.begin[1] + j);
           Eigen::Vector3d f = force_at(patch.begin[0] + i, eta, patch.begin[2] + k, step);
-          if (mirrored && eta < 0) f.setConstant(7);
+          if (mirrored) f *= 0.5;
           if (mirrored && eta == 0) f.y() = 7;
           for (std::size_t a = 0; a < 3; ++a) {
             patch.force[a][static_cast<std::size_t>(patch.at(i, j, k))] =

@@ -33,6 +33,11 @@ enum class Mirror {
   on_node         ///< at y = 0: node -j is the image of node j, and node 0 its own
 };
 
+/// The node of which node y is the image, and the other way round; `mirror` is not none.
+constexpr int image(Mirror mirror, int y) {
+  return mirror == Mirror::between_nodes ? -1 - y : -y;
+}
+
 enum class Collision {
   bgk,  ///< eq. (2)
   trt   ///< two relaxation times: odd moments relax so that (tau - 1/2)(tau_odd - 1/2) = magic

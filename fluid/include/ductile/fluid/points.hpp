@@ -33,7 +33,9 @@ class Points {
   [[nodiscard]] bool whole(std::size_t m) const;
 
   /// Adds `force`, 3n numbers, to the force that acts on the fluid in the next step, point by
-  /// point, eq. (16) (the minus sign is in the force).
+  /// point, eq. (16) (the minus sign is in the force). Across a mirror plane each point has an
+  /// image, which exerts the image of its force: points of a surface that is its own image exert
+  /// half of what they exert in the whole fluid.
   void add_force(std::span<const double> force);
   /// partial[12 m + 4 component + plane] <- the part of point m's velocity, eq. (15), that comes
   /// from each of the four planes of nodes that it reaches, 0 of planes that this rank does not
