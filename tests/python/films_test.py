@@ -17,6 +17,9 @@ import numpy as np
 
 import ductile
 from ductile import display, films, refinement, rendering
+from ductile.paper import making
+from ductile.paper.study import Study
+from paper_figures_test import Synthetic
 
 if films.missing_packages():
     print(f"skipped: Debian's packages {' '.join(films.missing_packages())} are not installed")
@@ -355,6 +358,55 @@ class Films(Directory):
             self.assertFalse(films.available() or rendering.available())
             self.fails("packages python3-vtk9 xvfb ffmpeg, not installed here: apt-get install",
                        films.make, run, self.work / "x.mp4")
+
+
+class Report(Directory):
+    """The media of a study's report, which a process a core draws."""
+
+    def setUp(self):
+        super().setUp()
+        writer = Synthetic(self.work)
+        for x_lag in (-0.2, 0.0, 0.2):
+            writer.pair("M1", x_lag, "clean")
+        for name in writer.cases["M1"]:
+            write_run(self.work / "M1" / "cases" / name, [0, 40, 80], pair(), trajectory=False)
+        self.cases = making._shown(Study(self.work))
+
+    def drawn(self):
+        """Whether each case has its film and everything else."""
+        files = [[case.run.directory / name for name in ("trajectory.png", "shapes.png",
+                                                         "poster.png", films.NAME)]
+                 for case in self.cases]
+        return [all(file.exists() for file in of_case) for of_case in files]
+
+    def test_a_process_draws_its_share(self):
+        self.assertEqual(len(self.cases), 3)
+        making._draw_share(self.work, "1/3")
+        self.assertEqual(self.drawn(), [False, True, False])
+
+    def test_shares_are_drawn_side_by_side(self):
+        there, own_media = [], making._media
+
+        def media(case, with_films):
+            there.append((case.label, (case.run.directory / films.NAME).exists()))
+            return own_media(case, with_films)
+        with mock.patch.object(making, "_media", media), \
+                mock.patch.object(os, "sched_getaffinity", lambda _: {0, 1}):
+            given = making._all_media(self.work, self.cases, True, lambda text: None)
+        self.assertEqual(self.drawn(), [True] * 3)
+        labels = [case.label for case in self.cases]
+        self.assertEqual(list(given), labels)
+        # Its own share first, then a look at all, where the other process has drawn the rest.
+        self.assertEqual(there, [(labels[0], False), (labels[2], False)]
+                         + [(label, True) for label in labels])
+
+    def test_what_a_process_fails_to_draw_is_drawn(self):
+        with mock.patch.object(making, "SCRIPT", self.work / "nowhere.py"), \
+                mock.patch.object(os, "sched_getaffinity", lambda _: {0, 1}):
+            given = making._all_media(self.work, self.cases, True, lambda text: None)
+        self.assertEqual(self.drawn(), [True] * 3)
+        for case in self.cases:
+            self.assertEqual(given[case.label]["film"].name, films.NAME)
 
 
 class CommandLine(Directory):
