@@ -184,12 +184,26 @@ void Coupler::Impl::advance() {
   watch_.lap(Part::bodies);
 }
 
-// Where the host's markers are on the lattice at a time.
+// Whether the plane has markers of the body on both sides or all in it.
+bool is_own_image(fluid::Mirror mirror, std::span<const double> positions) {
+  const double plane = mirror == fluid::Mirror::on_node ? 0 : -0.5;
+  bool above = false;
+  bool below = false;
+  for (std::size_t n = 1; n < positions.size(); n += 3) {
+    above = above || positions[n] > plane;
+    below = below || positions[n] < plane;
+  }
+  return above == below;
+}
+
+// Where the host's markers are on the lattice at a time, and what follows from it.
 void Coupler::Impl::place(Host& host, std::int64_t time) const {
   const std::span<const double> x = host.body->positions();
   std::copy(x.begin(), x.end(), host.position.begin());
   const double way = drift_ * static_cast<double>(time);
   for (std::size_t n = 2; n < x.size(); n += 3) host.position[n] -= way;
+  const fluid::Mirror mirror = fluid_.options().mirror;
+  host.share = mirror != fluid::Mirror::none && is_own_image(mirror, host.position) ? 0.5 : 1;
 }
 
 // Velocities on the lattice -> those in the frame at rest.
@@ -270,19 +284,6 @@ bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
   return true;
 }
 
-// Whether the host has markers on both sides of the plane.
-bool crosses_mirror(fluid::Mirror mirror, const Host& host) {
-  if (mirror == fluid::Mirror::none) return false;
-  const double plane = mirror == fluid::Mirror::on_node ? 0 : -0.5;
-  bool above = false;
-  bool below = false;
-  for (std::size_t n = 1; n < host.position.size(); n += 3) {
-    above = above || host.position[n] > plane;
-    below = below || host.position[n] < plane;
-  }
-  return above && below;
-}
-
 // Lays the boxes around the bodies, and finds out which ranks they touch.
 void Coupler::Impl::lay_out() {
   constexpr std::size_t numbers = 9;
@@ -292,7 +293,6 @@ void Coupler::Impl::lay_out() {
     fluid::Box box{};
     const auto reach = reach_of(host);
     if (reach && fits(host, *reach)) box = fluid_.box_around(*reach);
-    host.share = crosses_mirror(fluid_.options().mirror, host) ? 0.5 : 1;
     int* row = &table[static_cast<std::size_t>(host.id) * numbers];
     row[0] = comm_.rank();
     row[1] = static_cast<int>(host.body->marker_count());

@@ -172,12 +172,14 @@ void FluidImpl::fold_force() {
 }
 
 void FluidImpl::double_force_on_plane() {
+  if (options_.mirror != Mirror::on_node) return;
   for (Patch& patch : patches_) {
     for (int i = 0; i < patch.size[0]; ++i) {
       const auto first = row_on_plane(patch, i);
-      for (std::ptrdiff_t n = 0; first && n < patch.pitch; ++n) {
-        patch.force[0][*first + static_cast<std::size_t>(n)] *= 2;
-        patch.force[2][*first + static_cast<std::size_t>(n)] *= 2;
+      if (!first) continue;
+      for (const std::size_t axis : {0, 2}) {
+        double* f = &patch.force[axis][*first];
+        for (std::ptrdiff_t n = 0; n < patch.pitch; ++n) f[n] *= 2;
       }
     }
   }

@@ -12,8 +12,9 @@ namespace ductile::fluid {
 /// with `pad` planes on either side of the `size[2]` that are this rank's own. In those planes the
 /// velocity is 0 and the force is ignored, so that a stencil may reach over the edge.
 ///
-/// Below a mirror plane density and velocity are the image of those above. What is written into
-/// `force` is half of the whole: its image in the plane is added, also to what lies on the plane.
+/// Below a mirror plane density and velocity are the image of those above. What is added to
+/// `force` is half of the whole: its image in the plane is added to it, at the latest in the step,
+/// also to what lies on the plane.
 struct Patch {
   static constexpr int pad = 4;
   int box = 0;                 ///< index of the box it belongs to, among FluidImpl::boxes_

@@ -20,8 +20,8 @@ namespace ductile::membrane {
 /// B is symmetric and positive definite (semidefinite where eps = 0), so this is the minimum of
 /// E(x + d) + (d - h u) . B^-1 (d - h u)/2.
 ///
-/// The unknown that PETSc sees is y = b F, b the row sums of B: nearly the displacement that smooth
-/// forces cause, in lattice spacings. With D = 1/b
+/// The unknown that PETSc sees is y = b F, b the row sums of B along x: nearly the displacement
+/// that smooth forces cause, in lattice spacings. With D = 1/b
 ///
 ///     dr/dy = D + K B D        the operator, which applies R
 ///             D + K            its preconditioning matrix, sparse: B lumped, and no rank one

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <tuple>
 
 #include "coupling/bodies.hpp"
 #include "ductile/coupling/coupler.hpp"
@@ -32,18 +33,24 @@ int ranks() {
   return n;
 }
 
-fluid::Options channel(fluid::Boundary z) {
+// Of the ends along z, and with a mirror plane below the bodies or none.
+using Kind = std::tuple<fluid::Boundary, fluid::Mirror>;
+
+constexpr Kind whole_channel = {fluid::Boundary::periodic, fluid::Mirror::none};
+
+fluid::Options channel(const Kind& kind) {
   fluid::Options o;
-  o.nodes = {16, 14, 22};
-  o.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, z};
+  o.boundary = {fluid::Boundary::halfway, fluid::Boundary::halfway, std::get<0>(kind)};
+  o.mirror = std::get<1>(kind);
+  o.nodes = {16, o.mirror == fluid::Mirror::none ? 14 : 9, 22};
   o.tau = 0.9;
   o.force = {0, 0, 2e-4};
   return o;
 }
 
 // Clouds of markers held together by springs to their centre, and one held in place; they overlap
-// and lie across the cuts and the periodic end.
-std::vector<std::unique_ptr<coupling::Body>> bodies() {
+// and lie across the cuts, the periodic end and, but for the last, the mirror plane.
+std::vector<std::unique_ptr<coupling::Body>> bodies(const Kind& kind) {
   const auto springs = [](std::span<const double> x, std::span<double> force) {
     std::array<double, 3> centre{};
     for (std::size_t n = 0; n < x.size(); ++n)
@@ -54,9 +61,10 @@ std::vector<std::unique_ptr<coupling::Body>> bodies() {
   std::mt19937 random(3);
   for (const double z : {5.0, 7.5, 12.0, 17.0}) {
     std::uniform_real_distribution<double> offset(-2.5, 2.5);
+    const double y = std::get<1>(kind) == fluid::Mirror::none ? 6.8 : z == 17.0 ? 3.2 : -0.1;
     std::vector<double> x;
     for (int m = 0; m < 60; ++m) {
-      x.insert(x.end(), {7.3 + offset(random), 6.8 + offset(random), z + offset(random)});
+      x.insert(x.end(), {7.3 + offset(random), y + offset(random), z + offset(random)});
     }
     if (z == 12.0) {
       list.push_back(std::make_unique<Held>(x, 3, 0.3));
@@ -76,14 +84,14 @@ std::vector<Member> share_of(const std::vector<std::unique_ptr<coupling::Body>>&
   return members;
 }
 
-class Ranks : public testing::TestWithParam<fluid::Boundary> {};
+class Ranks : public testing::TestWithParam<Kind> {};
 
 TEST_P(Ranks, BodiesAndFluidAreTheSameToTheLastBit) {
   const fluid::Options o = channel(GetParam());
   fluid::Fluid cut(MPI_COMM_WORLD, o);
   fluid::Fluid whole(MPI_COMM_SELF, o);
-  auto shared = bodies();
-  auto own = bodies();
+  auto shared = bodies(GetParam());
+  auto own = bodies(GetParam());
   Coupler coupler(cut, share_of(shared, rank(), ranks()), 4);
   Coupler alone(whole, share_of(own, 0, 1), 4);
   for (int step = 0; step < 60; ++step) {
@@ -101,8 +109,11 @@ TEST_P(Ranks, BodiesAndFluidAreTheSameToTheLastBit) {
   EXPECT_EQ(a.momentum, b.momentum);
 }
 
-INSTANTIATE_TEST_SUITE_P(Ends, Ranks,
-                         testing::Values(fluid::Boundary::periodic, fluid::Boundary::halfway));
+INSTANTIATE_TEST_SUITE_P(
+    Ends, Ranks,
+    testing::Combine(testing::Values(fluid::Boundary::periodic, fluid::Boundary::halfway),
+                     testing::Values(fluid::Mirror::none, fluid::Mirror::between_nodes,
+                                     fluid::Mirror::on_node)));
 
 // Bodies and fluid put into another state between steps, bodies far from their boxes, go on as with
 // a new coupler in a fluid of that state.
@@ -116,7 +127,7 @@ TEST_P(Ranks, ReplacedBodiesGoOnAsWithANewCoupler) {
     }
   };
   fluid::Fluid used(MPI_COMM_WORLD, o);
-  auto bodies_used = bodies();
+  auto bodies_used = bodies(GetParam());
   Coupler coupler(used, share_of(bodies_used, rank(), ranks()), 4);
   for (int step = 0; step < 5; ++step) coupler.step();
   displaced(bodies_used);
@@ -131,7 +142,7 @@ TEST_P(Ranks, ReplacedBodiesGoOnAsWithANewCoupler) {
     const auto& saved = state.find(name)->second;
     std::copy(saved.begin(), saved.end(), numbers.begin());
   });
-  auto bodies_fresh = bodies();
+  auto bodies_fresh = bodies(GetParam());
   for (std::size_t id = 0; id < bodies_fresh.size(); ++id) {
     if (auto* free = dynamic_cast<Explicit*>(bodies_fresh[id].get())) {
       free->x = dynamic_cast<Explicit&>(*bodies_used[id]).x;
@@ -151,8 +162,8 @@ TEST_P(Ranks, ReplacedBodiesGoOnAsWithANewCoupler) {
 }
 
 TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
-  fluid::Fluid fluid(MPI_COMM_WORLD, channel(fluid::Boundary::periodic));
-  auto list = bodies();
+  fluid::Fluid fluid(MPI_COMM_WORLD, channel(whole_channel));
+  auto list = bodies(whole_channel);
   int calls = 0;
   list[1] = std::make_unique<Explicit>(std::vector<double>{7, 7, 7}, [&](auto, auto) {
     if (++calls == 3) throw std::runtime_error("enough");
@@ -174,8 +185,8 @@ TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
 // that follow each other cannot add up to more than the time from before the first to after the
 // last, by the same clock.
 TEST(Profile, PartsAreOfTheStepAndASlowBodyIsFoundInItsPart) {
-  fluid::Fluid fluid(MPI_COMM_WORLD, channel(fluid::Boundary::periodic));
-  auto list = bodies();
+  fluid::Fluid fluid(MPI_COMM_WORLD, channel(whole_channel));
+  auto list = bodies(whole_channel);
   constexpr std::chrono::milliseconds nap(5);
   list[1] = std::make_unique<Explicit>(std::vector<double>{7, 7, 7}, [&](auto, auto force) {
     std::this_thread::sleep_for(nap);

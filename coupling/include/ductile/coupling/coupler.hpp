@@ -55,8 +55,8 @@ class Coupler {
   /// fluid and the bodies outlive the coupler. The fluid's lattice moves along z with the velocity
   /// `drift` [lattice units]: positions, velocities and forces of bodies are those in the frame at
   /// rest, where node (i, j, k) is at z = k + drift fluid.time(). With a mirror plane a body that
-  /// has markers on both sides is its own image, the forces of its lower half taken to be the image
-  /// of those of its upper one (their mean acts); any other has an image as its twin. Throws
+  /// has markers on both sides is its own image, and of its forces the symmetric part acts; any
+  /// other has an image as its twin. Bodies that are not symmetric may not cross the plane. Throws
   /// std::invalid_argument, on every rank, if the ids are not 0 .. total - 1, each once, or the
   /// lattice moves along an axis that is not periodic.
   Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total, double drift = 0);
