@@ -243,7 +243,8 @@ void check_densities(const Plan& plan) {
     if (kind == nullptr || kind->interior == suspension::Interior::solid ||
         kind->density_ratio >= 1)
       continue;
-    const double least = least_density_ratio(*body.shape, body.frequency, kind->retraction);
+    const double least = least_density_ratio(*body.shape, body.frequency, kind->retraction,
+                                             plan.fluid.mirror != fluid::Mirror::none);
     if (kind->density_ratio >= least) continue;
     throw ScenarioError(
         "body." + body.name + ".density_ratio",

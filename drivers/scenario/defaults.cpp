@@ -25,13 +25,15 @@ int mesh_frequency(int frequency, double edge, double radius, double half_width)
                        : surface::frequency_for_edge(std::min(radius, half_width), edge);
 }
 
-double least_density_ratio(const surface::Shape& shape, int frequency, double retraction) {
+double least_density_ratio(const surface::Shape& shape, int frequency, double retraction,
+                           bool half_channel) {
   constexpr int fine = 24;
   rigid::Surface surface = rigid::markers_of(shape.mesh(std::min(frequency, fine)));
   const double scale = 1 - retraction / shape.radius();
   for (Eigen::Vector3d& marker : surface.markers) marker *= scale;
   for (double& area : surface.areas) area *= scale * scale;
-  return rigid::least_density_ratio(surface, rigid::solid_of(shape), rigid::Options{}.relaxation);
+  return rigid::least_density_ratio(surface, rigid::solid_of(shape), rigid::Options{}.relaxation,
+                                    half_channel);
 }
 
 double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
@@ -54,7 +56,7 @@ suspension::Interior default_interior(const ChannelOptions& channel, const BodyO
   const double least =
       least_density_ratio(*surface::make_shape(body.shape, radius),
                           mesh_frequency(options.frequency, options.edge, radius, half_width),
-                          options.retraction.value());
+                          options.retraction.value(), channel.symmetry == Symmetry::y);
   return body.density_ratio < least ? suspension::Interior::solid : suspension::Interior::fluid;
 }
 

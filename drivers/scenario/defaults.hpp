@@ -17,10 +17,12 @@ double default_volume_modulus(const ChannelOptions& channel, const FluidOptions&
 /// lengths in lattice spacings.
 int mesh_frequency(int frequency, double edge, double radius, double half_width);
 
-/// The least density ratio at which a rigid body is stable with fluid inside, by
-/// rigid::least_density_ratio; all lengths in lattice spacings, retraction below the radius. A
-/// coarse mesh, which has a little less area, stands for a fine one.
-double least_density_ratio(const surface::Shape& shape, int frequency, double retraction);
+/// The least density ratio at which a rigid body is stable with fluid inside, in the whole channel
+/// or on the plane of symmetry of half of it, by rigid::least_density_ratio; all lengths in lattice
+/// spacings, retraction below the radius. A coarse mesh, which has a little less area, stands for a
+/// fine one.
+double least_density_ratio(const surface::Shape& shape, int frequency, double retraction,
+                           bool half_channel);
 
 /// retraction of a body, in lattice spacings: what makes its surface felt where it is
 /// (suspension::felt_retraction). Takes the shape and the radius of the body.

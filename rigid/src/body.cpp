@@ -141,7 +141,8 @@ Matrix6d displaced_tensor(const Solid& solid) {
 
 }  // namespace
 
-double least_density_ratio(const Surface& surface, const Solid& solid, double relaxation) {
+double least_density_ratio(const Surface& surface, const Solid& solid, double relaxation,
+                           bool no_answer) {
   // Displaced fluid per area, in the rigid motion that has most of it: a/3 for a sphere.
   const double thickness =
       Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(
@@ -149,8 +150,10 @@ double least_density_ratio(const Surface& surface, const Solid& solid, double re
           .eigenvalues()[5];
   // A rigid mode of slip shrinks with each correction by
   //     (1 - kappa lambda) (M - M_f)/(2 kappa A + M - M_f),
-  // which for M < M_f is less than 1 in magnitude if M_f - M < converging A.
-  const double converging = 2 * relaxation / (1 + std::abs(1 - relaxation * largest_response));
+  // which for M < M_f is less than 1 in magnitude if M_f - M < converging A. Without an answer
+  // lambda is 0.
+  const double converging =
+      no_answer ? relaxation : 2 * relaxation / (1 + std::abs(1 - relaxation * largest_response));
   return 1 - std::min(converging, least_fluid) / thickness;
 }
 

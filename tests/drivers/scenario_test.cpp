@@ -502,9 +502,9 @@ TEST(Scenario, ARetractionThatWasFoundCanBeReadAgain) {
 // below 1 - 7.5/18 with markers on the surface, and 0.606 where they lie by default.
 TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
   const std::string channel = "[channel]\nnodes = 80\n";
-  const auto body = [](const std::string& ratio) {
-    return "[[body]]\nname = \"a\"\nkind = \"rigid\"\nradius = 0.45\ndensity_ratio = " + ratio +
-           "\n";
+  const auto body = [](const std::string& ratio, const std::string& radius = "0.45") {
+    return "[[body]]\nname = \"a\"\nkind = \"rigid\"\nradius = " + radius +
+           "\ndensity_ratio = " + ratio + "\n";
   };
   const auto interior = [](const std::string& text) {
     return read(text, "case.toml").bodies.at(0).rigid.interior;
@@ -513,6 +513,12 @@ TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
   EXPECT_EQ(interior(channel + body("0.57")), solid);
   EXPECT_EQ(interior(channel + body("0.62")), fluid);
   EXPECT_EQ(interior("[channel]\nnodes = 30\n" + body("0.5")), fluid);
+  // In half a channel nothing answers motion off its plane: (M_f - M)/A is 2.2 here.
+  const std::string whole = "[channel]\nnodes = 30\n";
+  const std::string half = whole + "symmetry = \"y\"\n";
+  EXPECT_EQ(interior(whole + body("0.5", "0.84")), fluid);
+  EXPECT_EQ(interior(half + body("0.5", "0.84")), solid);
+  EXPECT_EQ(interior(half + body("0.58", "0.84")), fluid);
   // Markers inside of the surface have less area.
   EXPECT_EQ(interior(channel + body("0.6") + "retraction = 0\n"), fluid);
   EXPECT_EQ(interior(channel + body("0.62") + "retraction = 1\n"), solid);

@@ -528,6 +528,7 @@ TEST(RigidBody, TooLightAndLargeABodyIsRefusedWithoutInnerShells) {
   EXPECT_THROW(Body(surface, ball(18), options, {}), std::invalid_argument);
   EXPECT_NO_THROW(Body(lined(Sphere(18), 18, 0), ball(18), options, {}));
   EXPECT_NEAR(least_density_ratio(surface, ball(18), 2), 1 - 7.5 / 18, 1e-6);
+  EXPECT_NEAR(least_density_ratio(surface, ball(18), 2, true), 1 - 6.0 / 18, 1e-6);
   options.density_ratio = 1 - 7.5 / 18 + 1e-6;
   EXPECT_NO_THROW(Body(surface, ball(18), options, {}));
 

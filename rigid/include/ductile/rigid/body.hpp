@@ -115,8 +115,11 @@ Surface lined(const surface::Shape& shape, int frequency, double retraction);
 long long lined_marker_count(const surface::Shape& shape, int frequency, double retraction);
 
 /// The least density ratio at which a free body is stable with this surface and relaxation, see
-/// Body; negative if that is any.
-double least_density_ratio(const Surface& surface, const Solid& solid, double relaxation);
+/// Body; negative if that is any. In half of a fluid, on a mirror plane, there is `no_answer` to
+/// rigid motion that is not symmetric: a body across the plane must be a little heavier there, or
+/// what round-off gives it of such motion grows.
+double least_density_ratio(const Surface& surface, const Solid& solid, double relaxation,
+                           bool no_answer = false);
 
 /// A body's state between time steps; with the same surface, solid and options it determines all
 /// that follows, to the last bit.
