@@ -184,9 +184,14 @@ void Coupler::Impl::advance() {
   watch_.lap(Part::bodies);
 }
 
+// y of a mirror plane.
+double plane_of(fluid::Mirror mirror) {
+  return mirror == fluid::Mirror::on_node ? 0 : -0.5;
+}
+
 // Whether the plane has markers of the body on both sides or all in it.
 bool is_own_image(fluid::Mirror mirror, std::span<const double> positions) {
-  const double plane = mirror == fluid::Mirror::on_node ? 0 : -0.5;
+  const double plane = plane_of(mirror);
   bool above = false;
   bool below = false;
   for (std::size_t n = 1; n < positions.size(); n += 3) {
@@ -254,7 +259,11 @@ std::string too_close(const fluid::Options& options, std::size_t axis, bool low,
   const bool periodic = options.boundary[axis] == fluid::Boundary::periodic;
   const bool on_nodes = options.boundary[axis] == fluid::Boundary::regularized;
   const double outside = on_nodes ? 0 : 0.5;
-  const double end = low ? -outside : options.nodes[axis] - 1 + outside;
+  const double high_end = options.nodes[axis] - 1 + outside;
+  // Beyond a mirror plane the low wall is the image of the high one.
+  const bool mirrored = axis == 1 && options.mirror != fluid::Mirror::none;
+  const double low_end = mirrored ? 2 * plane_of(options.mirror) - high_end : -outside;
+  const double end = low ? low_end : high_end;
   std::ostringstream text;
   text << std::setprecision(3) << "marker " << marker << " is " << std::abs(x - end)
        << " lattice spacings from the " << (periodic ? "periodic side" : "wall") << " at the "

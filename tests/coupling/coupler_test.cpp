@@ -357,6 +357,14 @@ TEST(Coupler, RefusesMarkersThatReachAWall) {
             "boundary: marker 0 is 1.4 lattice spacings from the wall at the high end of y, under "
             "the 1.5 that the 4-point kernel needs");
   EXPECT_EQ(failure({8, NAN, 8}), "body: the position of marker 0 is not finite");
+  // The wall of a half and its image.
+  o.mirror = fluid::Mirror::between_nodes;
+  EXPECT_EQ(failure({8, 14.1, 8}),
+            "boundary: marker 0 is 1.4 lattice spacings from the wall at the high end of y, under "
+            "the 1.5 that the 4-point kernel needs");
+  EXPECT_EQ(failure({8, -15.1, 8}),
+            "boundary: marker 0 is 1.4 lattice spacings from the wall at the low end of y, under "
+            "the 1.5 that the 4-point kernel needs");
 }
 
 TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {
