@@ -7,12 +7,14 @@
 #include <random>
 
 #include "coupling/bodies.hpp"
+#include "support/random_numbers.hpp"
 
 namespace {
 
 using namespace ductile;
 using coupling::BodyFailure;
 using coupling::Coupler;
+using ductile::testing_support::random_numbers;
 using test::Explicit;
 using test::Held;
 using test::ImplicitSpring;
@@ -27,14 +29,6 @@ fluid::NodeState uniform(const Eigen::Vector3d& u) {
   fluid::NodeState s;
   s.velocity = u;
   return s;
-}
-
-std::vector<double> random_numbers(std::size_t count, double low, double high, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> number(low, high);
-  std::vector<double> v(count);
-  for (double& x : v) x = number(random);
-  return v;
 }
 
 TEST(Coupler, TracersMoveWithTheFluidRoundThePeriodicEnd) {

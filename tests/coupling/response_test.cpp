@@ -3,21 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 #include <tuple>
+
+#include "support/random_numbers.hpp"
 
 namespace {
 
 using namespace ductile;
 using coupling::MarkerResponse;
-
-std::vector<double> random_numbers(std::size_t count, double low, double high, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> number(low, high);
-  std::vector<double> v(count);
-  for (double& x : v) x = number(random);
-  return v;
-}
+using ductile::testing_support::random_numbers;
 
 // What a lesser machine would run gives the same bits.
 TEST(Response, IsTheSameWithEachInstructionSet) {

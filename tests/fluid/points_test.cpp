@@ -6,23 +6,16 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <random>
 #include <vector>
 
 #include "fluid/inside.hpp"
+#include "support/random_numbers.hpp"
 
 namespace {
 
 using namespace ductile::fluid;
 using ductile::test::patches;
-
-std::vector<double> random_numbers(std::size_t count, double low, double high, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> number(low, high);
-  std::vector<double> v(count);
-  for (double& x : v) x = number(random);
-  return v;
-}
+using ductile::testing_support::random_numbers;
 
 // A fluid with one box: all of it.
 Fluid boxed(const std::array<int, 3>& nodes, Boundary z,
