@@ -213,11 +213,10 @@ void FluidImpl::update_velocity() {
   for (Patch& patch : patches_) {
     const int rows = patch.size[0] * patch.size[1];
     for (int r = 0; r < rows; ++r) {
-      // On a mirror plane the image's force is still to be added.
-      const bool on_plane =
-          options_.mirror == Mirror::on_node && patch.begin[1] + r % patch.size[1] == 0;
-      const double half = on_plane ? 1 : 0.5;
       const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
+      // On a mirror plane the image's force is still to be added.
+      const auto on_plane = row_on_plane(patch, r / patch.size[1]);
+      const double half = on_plane == static_cast<std::size_t>(first - Patch::pad) ? 1 : 0.5;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double* u = patch.velocity[axis].data() + first;
         const double* momentum = patch.momentum[axis].data() + first;
