@@ -470,10 +470,12 @@ struct WallRule {
             static_cast<T>(weight<p>) * (drho + rho * static_cast<T>(4.5 * cu * cu - uu));
         const V odd = static_cast<T>(weight<p> * 3 * cu) * rho;
         V t;  // non-equilibrium of both populations of the pair
+        const T half_force =
+            static_cast<T>(1.5 * weight<p> * along<p>(f[0], f[1], f[2]));
         if constexpr (counted<p, 1, nx, ny> == 0) {
-          t = two * (known.minus[p] - (even - odd));
+          t = two * (known.minus[p] - (even - odd + half_force));
         } else if constexpr (counted<p, -1, nx, ny> == 0) {
-          t = two * (known.plus[p] - (even + odd));
+          t = two * (known.plus[p] - (even + odd - half_force));
         } else {
           t = (known.plus[p] + known.minus[p]) - two * even;
         }

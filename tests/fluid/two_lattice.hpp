@@ -128,7 +128,8 @@ class TwoLattice {
     Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
     for (int i = 0; i < Q && !on_edge(x, y); ++i) {
       const int from = known(i, x, y) ? i : opposite(i);
-      const double rest = f(from, x, y, z) - equilibrium_of(from, rho, u);
+      const double rest =
+          f(from, x, y, z) - equilibrium_of(from, rho, u) + 1.5 * w(from) * vector(from).dot(F);
       stress += rest * vector(i) * vector(i).transpose();
     }
     for (int i = 0; i < Q; ++i) {
