@@ -21,7 +21,7 @@ using fluid::mpi_check;
 
 class Coupler::Impl {
  public:
-  Impl(fluid::Fluid& fluid, std::vector<Member> members, int total, double drift);
+  Impl(fluid::Fluid& fluid, std::vector<Member> members, int total);
 
   void step();
   Stopwatch watch_;
@@ -32,7 +32,7 @@ class Coupler::Impl {
   void predict_forces();
   void correct_forces(Round round);
   void advance();
-  void place(Host& host, std::int64_t time) const;
+  void place(Host& host) const;
   void at_rest(std::span<double> velocity) const;
   void agree();
 
@@ -46,20 +46,17 @@ class Coupler::Impl {
 
   fluid::Fluid& fluid_;
   fluid::Communicator comm_;
-  const double drift_;  // velocity of the lattice along z
   std::vector<Host> hosts_;
   std::vector<Entry> entries_;
   Markers markers_;
   Failures failures_;
-  int rounds_ = 0;         // of corrections
-  std::int64_t time_ = 0;  // at the start of the step
+  int rounds_ = 0;               // of corrections
+  std::int64_t time_ = 0;        // at the start of the step
+  double lattice_velocity_ = 0;  // then
 };
 
-Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total, double drift)
-    : fluid_(fluid), comm_(fluid.comm()), drift_(drift), markers_(fluid, comm_, hosts_, watch_) {
-  if (drift != 0 && fluid.options().boundary[2] != fluid::Boundary::periodic) {
-    throw std::invalid_argument("coupler: a lattice moves along z only where that is periodic");
-  }
+Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
+    : fluid_(fluid), comm_(fluid.comm()), markers_(fluid, comm_, hosts_, watch_) {
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.id < b.id; });
   std::vector<int> owners(static_cast<std::size_t>(std::max(total, 0)) + 1, 0);
@@ -95,6 +92,7 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total,
 void Coupler::Impl::step() {
   watch_.start();
   time_ = fluid_.time();
+  lattice_velocity_ = fluid_.motion().velocity;
   if (moved_out_) lay_out();
   predict_forces();
   markers_.send_positions();
@@ -172,7 +170,7 @@ void Coupler::Impl::advance() {
     guarded(host, [&](Body& body) {
       at_rest(host.velocity);
       body.advance(host.velocity);
-      place(host, time_ + 1);
+      place(host);
       const auto reach = reach_of(host);
       const fluid::Box& laid = entries_[static_cast<std::size_t>(host.id)].box;
       for (std::size_t axis = 0; axis < 3 && reach; ++axis) {
@@ -201,11 +199,11 @@ bool is_own_image(fluid::Mirror mirror, std::span<const double> positions) {
   return above == below;
 }
 
-// Where the host's markers are on the lattice at a time, and what follows from it.
-void Coupler::Impl::place(Host& host, std::int64_t time) const {
+// Where the host's markers are on the lattice now, and what follows from it.
+void Coupler::Impl::place(Host& host) const {
   const std::span<const double> x = host.body->positions();
   std::copy(x.begin(), x.end(), host.position.begin());
-  const double way = drift_ * static_cast<double>(time);
+  const double way = fluid_.motion().position;
   for (std::size_t n = 2; n < x.size(); n += 3) host.position[n] -= way;
   const fluid::Mirror mirror = fluid_.options().mirror;
   host.share = mirror != fluid::Mirror::none && is_own_image(mirror, host.position) ? 0.5 : 1;
@@ -213,7 +211,7 @@ void Coupler::Impl::place(Host& host, std::int64_t time) const {
 
 // Velocities on the lattice -> those in the frame at rest.
 void Coupler::Impl::at_rest(std::span<double> velocity) const {
-  for (std::size_t n = 2; n < velocity.size(); n += 3) velocity[n] += drift_;
+  for (std::size_t n = 2; n < velocity.size(); n += 3) velocity[n] += lattice_velocity_;
 }
 
 // The nodes that the host's markers reach; nothing and a failure if one is not finite.
@@ -298,7 +296,7 @@ void Coupler::Impl::lay_out() {
   constexpr std::size_t numbers = 9;
   std::vector<int> table(entries_.size() * numbers, INT_MIN);
   for (Host& host : hosts_) {
-    place(host, time_);
+    place(host);
     fluid::Box box{};
     const auto reach = reach_of(host);
     if (reach && fits(host, *reach)) box = fluid_.box_around(*reach);
@@ -351,8 +349,8 @@ void Coupler::Impl::agree() {
   if (state == failed) failures_.raise(comm_, time_);
 }
 
-Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total, double drift)
-    : impl_(std::make_unique<Impl>(fluid, std::move(bodies), total, drift)) {}
+Coupler::Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total)
+    : impl_(std::make_unique<Impl>(fluid, std::move(bodies), total)) {}
 Coupler::~Coupler() = default;
 void Coupler::step() {
   impl_->step();

@@ -40,7 +40,8 @@ constexpr double lead_of_waves(double tau, double magic) {
 void warn_of_collision(const Plan& plan, std::vector<std::string>& list) {
   const double tau = plan.fluid.tau;
   const double magic = plan.fluid.magic;
-  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty() || plan.drift != 0)
+  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty() ||
+      plan.fluid.lattice_velocity != 0)
     return;
   const auto radius_of = [](const suspension::BodyPlan& body) { return body.shape->radius(); };
   const auto smallest = std::ranges::min_element(plan.bodies, {}, radius_of);

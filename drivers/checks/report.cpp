@@ -66,9 +66,11 @@ void add_channel(Lines& lines, const Case& given) {
                         precision_text(plan.fluid)));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
-  if (plan.drift != 0) {
-    lines.add("", fmt::format("the lattice moves along z with {:.4g} nu/W",
-                              plan.units.velocity(plan.drift)));
+  if (plan.fluid.lattice_velocity != 0) {
+    lines.add("",
+              fmt::format("the lattice {} with {:.4g} nu/W",
+                          plan.follow ? "follows the bodies along z, at first" : "moves along z",
+                          plan.units.velocity(plan.fluid.lattice_velocity)));
   }
   if (const auto& [low, high] = channel.wall_velocity; low != 0 || high != 0) {
     lines.add("", fmt::format("walls at x = -1 and 1 move at {} and {} nu/W, shear rate {:.6g} "

@@ -2,7 +2,7 @@
 //
 // An HDF5 file with a user block of 512 bytes, which is text:
 //     ductile checkpoint
-//     format 1
+//     format 2
 //     size 1234567
 //     xxh3 0123456789abcdef
 // the size of the file and the checksum of what follows the block; then zeros. Every data set has
@@ -23,7 +23,7 @@
 
 namespace ductile::drivers {
 
-constexpr int checkpoint_format = 1;
+constexpr int checkpoint_format = 2;
 
 /// A checkpoint that is none, is damaged, of an unknown format, or lacks something; names the file.
 class CheckpointError : public std::runtime_error {

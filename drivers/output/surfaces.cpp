@@ -63,11 +63,11 @@ struct FluidGrid {
   Eigen::Vector3d origin;
 };
 
-/// How far the lattice has moved along z at a time: by whole nodes, in the period, and by less than
-/// a spacing besides [W].
+/// How far the lattice has moved along z: by whole nodes, in the period, and by less than a spacing
+/// besides [W].
 struct Way {
-  Way(const FluidLattice& lattice, double time) {
-    const double spacings = lattice.drift * time / lattice.spacing;
+  Way(const FluidLattice& lattice, double way) {
+    const double spacings = way / lattice.spacing;
     const double whole = std::floor(spacings);
     rest = (spacings - whole) * lattice.spacing;
     const auto period = static_cast<double>(lattice.nodes[2]);
@@ -192,7 +192,7 @@ std::string xdmf_surface(const SurfaceMesh& mesh, const Frame::Given& given, std
 }
 
 // XDMF 2 lists the axes of regular meshes from the slowest to the fastest: z, y, x.
-std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double time) {
+std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double time, double way) {
   const FluidGrid grid(lattice);
   const std::string shape = fmt::format("{} {} {}", grid.nodes[2], grid.nodes[1], grid.nodes[0]);
   const std::string content =
@@ -201,7 +201,7 @@ std::string xdmf_fluid(const FluidLattice& lattice, std::size_t frame, double ti
           "          <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
           "            {}\n            {}\n          </Geometry>\n",
           shape,
-          xdmf_values(3, fmt::format("{} {} {}", grid.origin.z() + Way(lattice, time).rest,
+          xdmf_values(3, fmt::format("{} {} {}", grid.origin.z() + Way(lattice, way).rest,
                                      grid.origin.y(), grid.origin.x())),
           xdmf_values(3, fmt::format("{0} {0} {0}", lattice.spacing))) +
       xdmf_attribute(
@@ -322,13 +322,14 @@ void Surfaces::add(Frame frame) {
   grids_.front() += xdmf_channel(channel_, frame.time);
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     grids_[1 + b] += xdmf_surface(bodies_[b], frame.bodies[b], number, frame.time);
-  if (frame.fluid) grids_.back() += xdmf_fluid(*lattice_, number, frame.time);
+  if (frame.fluid) grids_.back() += xdmf_fluid(*lattice_, number, frame.time, *frame.fluid);
   frames_.push_back(std::move(frame));
 }
 
 void Surfaces::write(double time, std::span<const SurfaceState> bodies, const FluidState* fluid) {
   check(time, bodies, fluid);
-  Frame written{time, fluid != nullptr, {}, 0};
+  Frame written{time, std::nullopt, {}, 0};
+  if (fluid != nullptr) written.fluid = fluid->way;
   NewFile out(directory_ / frame_file(frames_.size()));
   hdf5::write_file(out, [&](hid_t frame) {
     write_attribute(frame, "time", time);
@@ -337,7 +338,7 @@ void Surfaces::write(double time, std::span<const SurfaceState> bodies, const Fl
       write_body(frame, b, bodies[b]);
       written.bodies.push_back({!bodies[b].velocity.empty(), !bodies[b].force.empty()});
     }
-    if (fluid != nullptr) write_fluid(frame, time, *fluid);
+    if (fluid != nullptr) write_fluid(frame, *fluid);
   });
   written.checksum = checksum_of(out, 0);
   out.commit();
@@ -390,9 +391,9 @@ void Surfaces::write_body(hid_t frame, std::size_t body, const SurfaceState& sta
   write(force_field, state.force);
 }
 
-void Surfaces::write_fluid(hid_t frame, double time, const FluidState& fluid) const {
+void Surfaces::write_fluid(hid_t frame, const FluidState& fluid) const {
   Handle own = create_group(frame, fluid_name);
-  const Way way(*lattice_, time);
+  const Way way(*lattice_, fluid.way);
   write_attribute(own, "z_offset", way.rest);
   write_attribute(own, "z_offset_units", position_field.unit);
   const auto [nx, ny, nz] = FluidGrid(*lattice_).nodes;

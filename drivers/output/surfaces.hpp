@@ -38,7 +38,6 @@ struct FluidLattice {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of node (0, 0, 0) at t = 0 [W]
   double spacing = 1;                                ///< [W]
   fluid::Mirror mirror = fluid::Mirror::none;        ///< fields come for the upper half alone
-  double drift = 0;                                  ///< the lattice's velocity along z [nu/W]
 };
 
 /// A frame that has been written: what there is in it.
@@ -47,10 +46,10 @@ struct Frame {
     bool velocity = false;
     bool force = false;
   };
-  double time = 0;  ///< [W^2/nu]
-  bool fluid = false;
-  std::vector<Given> bodies;   ///< besides the positions
-  std::uint64_t checksum = 0;  ///< of its file
+  double time = 0;              ///< [W^2/nu]
+  std::optional<double> fluid;  ///< how far its lattice has moved along z [W]
+  std::vector<Given> bodies;    ///< besides the positions
+  std::uint64_t checksum = 0;   ///< of its file
 };
 
 /// Writes frames, one file each, run.h5 that shows them all, and run.xdmf that lets ParaView read
@@ -108,7 +107,7 @@ class Surfaces {
   void check(double time, std::span<const suspension::SurfaceState> bodies,
              const suspension::FluidState* fluid) const;
   void write_body(hid_t frame, std::size_t body, const suspension::SurfaceState& state) const;
-  void write_fluid(hid_t frame, double time, const suspension::FluidState& fluid) const;
+  void write_fluid(hid_t frame, const suspension::FluidState& fluid) const;
   void write_overview() const;
   void write_xdmf() const;
 

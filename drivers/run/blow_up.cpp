@@ -25,8 +25,7 @@ Eigen::Vector3d in_channel(Eigen::Vector3d place, double length) {
 /// The middle of all nodes where the fluid is not finite, which spreads by a node a step to all
 /// sides; nothing if that is everywhere or nowhere.
 std::optional<Eigen::Vector3d> middle_of_trouble(const Plan& plan,
-                                                 const suspension::FluidState& fluid,
-                                                 std::int64_t step) {
+                                                 const suspension::FluidState& fluid) {
   const auto& nodes = plan.fluid.nodes;
   const std::size_t size = fluid.density.size();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -47,7 +46,7 @@ std::optional<Eigen::Vector3d> middle_of_trouble(const Plan& plan,
   if (count == 0 || count == size) return std::nullopt;
   Eigen::Vector3d middle = sum / static_cast<double>(count);
   middle.z() =
-      nodes[2] * std::arg(around) / (2 * std::numbers::pi) + plan.drift * static_cast<double>(step);
+      nodes[2] * std::arg(around) / (2 * std::numbers::pi) + fluid.way / plan.units.length(1);
   return in_channel(plan.units.position(middle), plan.units.length(plan.length()));
 }
 
@@ -115,7 +114,7 @@ BlowUp explained(BlowUp blow_up, const Case& given,
                  const std::vector<suspension::SurfaceState>& surfaces,
                  const suspension::FluidState& fluid, const Contacts& contacts,
                  const std::vector<std::string>& warnings) {
-  blow_up.place = blow_up.body.empty() ? middle_of_trouble(given.plan, fluid, blow_up.step)
+  blow_up.place = blow_up.body.empty() ? middle_of_trouble(given.plan, fluid)
                                        : place_of(blow_up, given.plan, surfaces);
   blow_up.cause = likely_cause(blow_up, given, contacts, warnings);
   return blow_up;

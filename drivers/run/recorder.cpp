@@ -38,7 +38,7 @@ constexpr unsigned half_bits = 32;
 Numbers numbers_of(const std::vector<Frame>& frames) {
   Numbers numbers;
   for (const Frame& frame : frames) {
-    numbers.insert(numbers.end(), {frame.time, frame.fluid ? 1.0 : 0.0,
+    numbers.insert(numbers.end(), {frame.time, frame.fluid ? 1.0 : 0.0, frame.fluid.value_or(0),
                                    static_cast<double>(frame.checksum >> half_bits),
                                    static_cast<double>(frame.checksum & low_half)});
     for (const Frame::Given& given : frame.bodies)
@@ -48,13 +48,14 @@ Numbers numbers_of(const std::vector<Frame>& frames) {
 }
 
 std::vector<Frame> frames_of(const Numbers& numbers, std::size_t bodies) {
-  constexpr std::size_t head = 4;
+  constexpr std::size_t head = 5;
   std::vector<Frame> frames;
   for (std::size_t n = 0; n + head + bodies <= numbers.size(); n += head + bodies) {
-    const auto high = static_cast<std::uint64_t>(numbers[n + 2]);
-    const auto low = static_cast<std::uint64_t>(numbers[n + 3]);
+    const auto high = static_cast<std::uint64_t>(numbers[n + 3]);
+    const auto low = static_cast<std::uint64_t>(numbers[n + 4]);
     Frame& frame =
-        frames.emplace_back(Frame{numbers[n], numbers[n + 1] != 0, {}, (high << half_bits) | low});
+        frames.emplace_back(Frame{numbers[n], std::nullopt, {}, (high << half_bits) | low});
+    if (numbers[n + 1] != 0) frame.fluid = numbers[n + 2];
     for (std::size_t b = 0; b < bodies; ++b) {
       const int given = static_cast<int>(numbers[n + head + b]);
       frame.bodies.push_back({(given & 1) != 0, (given & 2) != 0});
@@ -292,7 +293,6 @@ void Recorder::make_surfaces(std::vector<Frame> frames) {
     lattice.nodes[a] = static_cast<std::size_t>(plan.fluid.nodes[a]);
   lattice.origin = plan.units.position(Eigen::Vector3d::Zero());
   lattice.spacing = plan.units.length(1);
-  lattice.drift = plan.units.velocity(plan.drift);
   lattice.mirror = plan.fluid.mirror;
   surfaces_.emplace(
       directory_.path(), std::move(meshes),

@@ -277,11 +277,15 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
              "(tau - 1/2)^2 is bgk",
              "", " (above 1/4 bodies drift to wrong places)"),
       choice<F, LatticeFrame>(
-          "frame", &F::frame, {{"walls", LatticeFrame::walls}, {"bodies", LatticeFrame::bodies}},
-          "What the lattice moves with along z: the walls, or the bodies, with the mean of "
-          "what the flow at the start would carry them with. Errors that grow with a body's "
-          "velocity on the lattice, in its lift above all, then all but vanish; "
-          "results are told in the walls' frame either way"),
+          "frame", &F::frame,
+          {{"walls", LatticeFrame::walls},
+           {"bodies", LatticeFrame::bodies},
+           {"following", LatticeFrame::following}},
+          "What the lattice moves with along z: the walls; the bodies, with the mean of what the "
+          "flow at the start would carry them with; or following them, with the mean of their "
+          "velocities as these change. Errors that grow with a body's velocity on the lattice, in "
+          "its lift above all, then all but vanish; results are told in the walls' frame either "
+          "way"),
       choice<F, fluid::Precision>("storage", &F::storage, precisions,
                                   "Precision in which the populations are stored"),
       choice<F, fluid::Precision>("arithmetic", &F::arithmetic, precisions,

@@ -19,7 +19,7 @@ namespace ductile::drivers {
 enum class Symmetry { none, y };
 enum class BodyKind { capsule, rigid };
 /// What the fluid's lattice moves with along z.
-enum class LatticeFrame { walls, bodies };
+enum class LatticeFrame { walls, bodies, following };
 
 /// [channel]: |x| < 1, |y| < half_width_y, periodic along z.
 struct ChannelOptions {

@@ -22,6 +22,10 @@ Options validated(int ranks, Options options) {
   if (options.collision == Collision::trt && !(options.magic > 0)) {
     reject("magic = " + std::to_string(options.magic) + " must be positive");
   }
+  if (!std::isfinite(options.lattice_velocity) ||
+      (options.lattice_velocity != 0 && options.boundary[2] != Boundary::periodic)) {
+    reject("the lattice moves along z only where that is periodic, with a finite velocity");
+  }
   if (options.boundary[2] == Boundary::regularized) {
     reject("walls on nodes are for x and y alone; bound z by half-way walls or make it periodic");
   }
@@ -87,6 +91,48 @@ FluidImpl::FluidImpl(Communicator comm, const Options& options)
   relaxation_.omega_minus = options.collision == Collision::bgk
                                 ? relaxation_.omega_plus
                                 : 1 / (0.5 + options.magic / (options.tau - 0.5));
+}
+
+void FluidImpl::reset_motion() {
+  set_motion({0, options_.lattice_velocity, 0});
+}
+
+void FluidImpl::set_motion(const LatticeMotion& motion) {
+  motion_ = motion;
+  force_ = options_.force;
+  force_.z() -= motion.acceleration;
+  wall_velocity_ = options_.wall_velocity;
+  for (const std::size_t axis : {0, 1}) {
+    if (options_.boundary[axis] == Boundary::periodic) continue;
+    // Half-way walls reflect what has the whole force of the step in, half more than the velocity.
+    double gained = motion.velocity - options_.lattice_velocity;
+    if (options_.boundary[axis] == Boundary::halfway) gained += 0.5 * motion.acceleration;
+    const bool mirror = axis == 1 && options_.mirror != Mirror::none;
+    for (std::size_t side = mirror ? 1 : 0; side < 2; ++side)
+      wall_velocity_[axis][side].z() -= gained;
+  }
+  walls_moved();
+}
+
+void FluidImpl::accelerate(double acceleration) {
+  if (!std::isfinite(acceleration) || options_.boundary[2] != Boundary::periodic) {
+    reject("the lattice moves along z only where that is periodic, with a finite acceleration");
+  }
+  LatticeMotion motion = motion_;
+  motion.velocity += 0.5 * (acceleration - motion.acceleration);  // as that of the fluid
+  motion.acceleration = acceleration;
+  set_motion(motion);
+}
+
+void FluidImpl::move_lattice() {
+  LatticeMotion motion = motion_;
+  motion.position += motion.velocity;
+  if (motion.acceleration == 0) {
+    motion_ = motion;
+    return;
+  }
+  motion.velocity += motion.acceleration;
+  set_motion(motion);
 }
 
 Range FluidImpl::slab(int rank) const {
@@ -156,6 +202,12 @@ Range Fluid::slab(int rank) const {
 }
 Box Fluid::domain() const {
   return impl_->domain();
+}
+const LatticeMotion& Fluid::motion() const {
+  return impl_->motion_;
+}
+void Fluid::accelerate(double acceleration) {
+  impl_->accelerate(acceleration);
 }
 std::int64_t Fluid::time() const {
   return impl_->time_;

@@ -45,6 +45,14 @@ class FluidImpl {
   [[nodiscard]] virtual std::size_t memory() const = 0;
   [[nodiscard]] virtual std::int64_t bytes_sent() const = 0;
 
+  /// As at the start.
+  void reset_motion();
+  /// Also sets what follows from it: the uniform force and the walls' velocities on the lattice.
+  void set_motion(const LatticeMotion& motion);
+  void accelerate(double acceleration);
+  /// The lattice's part of a step.
+  void move_lattice();
+
   [[nodiscard]] Box box_around(const Box& reach) const;
   void place_boxes(std::span<const Box> boxes);
   [[nodiscard]] bool touches(int rank, const Box& box) const;
@@ -83,6 +91,9 @@ class FluidImpl {
   Communicator comm_;
   Range slab_;
   Relaxation relaxation_{};
+  LatticeMotion motion_;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();                // uniform, on the lattice
+  std::array<std::array<Eigen::Vector3d, 2>, 3> wall_velocity_{};  // on the lattice
   std::int64_t time_ = 0;
   bool odd_ = false;
   std::vector<Box> boxes_;   // disjoint
@@ -94,6 +105,8 @@ class FluidImpl {
   std::vector<std::size_t> met_;
 
  private:
+  /// wall_velocity_ has changed.
+  virtual void walls_moved() = 0;
   void place_patches(int index);
   void list_met();
   [[nodiscard]] std::optional<std::size_t> row_on_plane(const Patch& patch, int i) const;

@@ -75,6 +75,7 @@ class Populations final : public FluidImpl {
   [[nodiscard]] std::int64_t bytes_sent() const override { return halo_.bytes_sent(); }
 
  private:
+  void walls_moved() override { slab_of_.set_walls(options_, wall_velocity_); }
   [[nodiscard]] std::array<int, 2> peers() const;
   std::vector<std::size_t> number_slots();
   // The end of the slab on that side.
@@ -212,9 +213,8 @@ void Populations<Real, T>::depart(const Row<Real>& row, int x, int y) {
 
 template <class Real, class T>
 RowForce Populations<Real, T>::uniform_force() const {
-  return {{options_.force[0], options_.force[1], options_.force[2]},
-          {nullptr, nullptr, nullptr},
-          {nullptr, nullptr, nullptr}};
+  return {
+      {force_[0], force_[1], force_[2]}, {nullptr, nullptr, nullptr}, {nullptr, nullptr, nullptr}};
 }
 
 // The forces of patches that meet the row act and are used up, and the velocity is left there.
@@ -283,6 +283,7 @@ void Populations<Real, T>::step() {
   drive_moving_walls();
   for (Patch& patch : patches_) fill_image(patch, patch.velocity);
   halo_.end_step();
+  move_lattice();
   ++time_;
   odd_ = !odd_;
 }
@@ -304,7 +305,7 @@ void Populations<Real, T>::stream() {
 template <class Real, class T>
 void Populations<Real, T>::drive_wall(int x, int y, int begin, int end, std::size_t axis,
                                       int side) {
-  const Eigen::Vector3d& u = options_.wall_velocity[axis][static_cast<std::size_t>(side)];
+  const Eigen::Vector3d& u = wall_velocity_[axis][static_cast<std::size_t>(side)];
   const int inward = side == 0 ? 1 : -1;
   for (int i = 1; i < Q; ++i) {
     const auto v = d3q19::c(i);
@@ -332,7 +333,7 @@ void Populations<Real, T>::drive_moving_walls() {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (options_.boundary[axis] != Boundary::halfway) continue;
     for (int side = 0; side < 2; ++side) {
-      if (options_.wall_velocity[axis][static_cast<std::size_t>(side)].isZero(0)) continue;
+      if (wall_velocity_[axis][static_cast<std::size_t>(side)].isZero(0)) continue;
       const int at_wall = side == 0 ? 0 : options_.nodes[axis] - 1;
       if (axis == 0) {
         for (int y = 0; y < ny_; ++y) drive_wall(at_wall, y, 0, planes, axis, side);
@@ -353,7 +354,8 @@ void Populations<Real, T>::initialise(const std::function<NodeState(int, int, in
   halo_.reset();
   time_ = 0;
   odd_ = false;
-  const Eigen::Vector3d& force = options_.force;
+  reset_motion();
+  const Eigen::Vector3d& force = force_;
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) {
       for (int k = 0; k < slab_of_.planes(); ++k) {
@@ -387,7 +389,7 @@ Row<Real> Populations<Real, T>::complete_row(int x, int y) {
 template <class Real, class T>
 void Populations<Real, T>::read_velocity() {
   halo_.await_all();
-  const Eigen::Vector3d half = 0.5 * options_.force;
+  const Eigen::Vector3d half = 0.5 * force_;
   for (Patch& patch : patches_) {
     const int begin = patch.begin[2] - slab_.begin;
     for (int i = 0; i < patch.size[0]; ++i) {
@@ -427,7 +429,7 @@ void Populations<Real, T>::read_row(int x, int y, double* density,
   for (int k = 0; k < planes; ++k) {
     density[k] += 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double half_force = 0.5 * options_.force[static_cast<Eigen::Index>(axis)];
+      const double half_force = 0.5 * force_[static_cast<Eigen::Index>(axis)];
       velocity[axis][k] = (velocity[axis][k] + half_force) / density[k];
     }
   }
@@ -484,7 +486,7 @@ std::vector<double> Populations<Real, T>::plane_flows() {
         for (double& sum : sums) sum += share * wall->velocity[2];
         continue;
       }
-      kernel_.add_flow(complete_row(x, y), 0, planes, 0.5 * options_.force.z(), share, sums.data());
+      kernel_.add_flow(complete_row(x, y), 0, planes, 0.5 * force_.z(), share, sums.data());
     }
   }
   return sums;
@@ -512,6 +514,8 @@ void Populations<Real, T>::save(const StateWriter& write) {
   halo_.await_all();
   const auto time = static_cast<double>(time_);
   write("time", std::span(&time, 1));
+  const std::array motion = {motion_.position, motion_.velocity, motion_.acceleration};
+  write("lattice", motion);
   for (int x = 0; x < nx_; ++x) {
     for (int y = 0; y < ny_; ++y) complete_row(x, y);
   }
@@ -539,6 +543,9 @@ void Populations<Real, T>::load(const StateReader& read) {
   read("time", std::span(&time, 1));
   time_ = static_cast<std::int64_t>(time);
   odd_ = false;
+  std::array<double, 3> motion{};
+  read("lattice", motion);
+  set_motion({motion[0], motion[1], motion[2]});
   const auto planes = static_cast<std::size_t>(slab_of_.planes());
   std::vector<double> staged(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) *
                              planes);

@@ -104,6 +104,9 @@ class Slab {
     const auto& wall = walls_[kind(x, y)];
     return wall ? &*wall : nullptr;
   }
+  /// Finds the regularized walls anew, with these velocities.
+  void set_walls(const Options& options,
+                 const std::array<std::array<Eigen::Vector3d, 2>, 3>& wall_velocity);
   /// The part of the cells around the column's nodes that is fluid: half on a regularized wall and
   /// on a mirror plane, a quarter where two of these meet.
   [[nodiscard]] double share(int x, int y) const {
@@ -134,7 +137,6 @@ class Slab {
   }
   [[nodiscard]] std::ptrdiff_t place(int i, int x, int y, bool odd) const;
   void find_places();
-  void find_walls(const Options& options);
 
   int nx_;
   int ny_;
@@ -165,7 +167,7 @@ Slab<Real>::Slab(const Options& options, int planes)
       stride_((lines(line_ + static_cast<std::ptrdiff_t>(nx_) * ny_ * pitch_) | 1) * line_),
       storage_(static_cast<std::size_t>(d3q19::Q * stride_)) {
   find_places();
-  find_walls(options);
+  set_walls(options, options.wall_velocity);
 }
 
 // The distance of f_i from its column's array 0.
@@ -201,7 +203,8 @@ void Slab<Real>::find_places() {
 }
 
 template <class Real>
-void Slab<Real>::find_walls(const Options& options) {
+void Slab<Real>::set_walls(const Options& options,
+                           const std::array<std::array<Eigen::Vector3d, 2>, 3>& wall_velocity) {
   for (const int x : {0, nx_ / 2, nx_ - 1}) {
     for (const int y : {0, ny_ / 2, ny_ - 1}) {
       RowWall wall{};
@@ -214,7 +217,7 @@ void Slab<Real>::find_walls(const Options& options) {
         if (options.boundary[axis] != Boundary::regularized || !(low || high)) continue;
         if (axis == 1 && low && options.mirror != Mirror::none) continue;
         wall.normal[axis] = low ? 1 : -1;
-        velocity += options.wall_velocity[axis][low ? 0 : 1];
+        velocity += wall_velocity[axis][low ? 0 : 1];
         ++count;
       }
       if (count == 0) continue;

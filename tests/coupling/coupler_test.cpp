@@ -370,13 +370,4 @@ TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {
   EXPECT_THROW(Coupler(fluid, {{0, &a}}, 2), std::invalid_argument);
 }
 
-TEST(Coupler, RejectsALatticeThatMovesTowardsAWall) {
-  fluid::Options closed = box(8);
-  closed.boundary[2] = fluid::Boundary::halfway;
-  fluid::Fluid fluid(MPI_COMM_SELF, closed);
-  Explicit body({4, 4, 4}, nullptr);
-  EXPECT_THROW(Coupler(fluid, {{0, &body}}, 1, 0.01), std::invalid_argument);
-  EXPECT_NO_THROW(Coupler(fluid, {{0, &body}}, 1));
-}
-
 }  // namespace

@@ -26,6 +26,52 @@ Field fields(Fluid& fluid) {
   return field;
 }
 
+// A slow flow that starts is the same in the frame at rest, however the lattice is accelerated under
+// it: between walls that move, and where nothing holds it. What is apart is quadratic in velocities.
+TEST(MovingLattice, TellsTheSameFlowAsOneAtRest) {
+  using enum Boundary;
+  for (const auto walls : {halfway, regularized, periodic}) {
+    for (const auto mirror : {Mirror::none, Mirror::between_nodes, Mirror::on_node}) {
+      if (walls == periodic && mirror != Mirror::none) continue;
+      Options o;
+      o.nodes = {11, 8, 3};
+      o.boundary = {walls, walls, periodic};
+      o.mirror = mirror;
+      o.tau = 0.8;
+      o.force = {0, 0, 1e-6};
+      if (walls != periodic) o.wall_velocity[0] = {Eigen::Vector3d(0, 0, 1e-4), {0, 0, -2e-4}};
+      Fluid at_rest(MPI_COMM_SELF, o);
+      Fluid moving(MPI_COMM_SELF, o);
+      constexpr double largest = 2e-6;
+      double apart = 0;
+      double gained = 0;
+      double way = 0;
+      for (int n = 0; n < 120; ++n) {
+        const double acceleration = n < 20 ? 0 : largest * (n < 70 ? 1 : -0.7);
+        if (n == 20 || n == 70) moving.accelerate(acceleration);
+        const Field expected = fields(at_rest);
+        Field found = fields(moving);
+        const std::size_t count = found.density.size();
+        for (std::size_t i = 0; i < count; ++i) {
+          found.velocity[2 * count + i] += moving.motion().velocity;
+          for (std::size_t a = 0; a < 3; ++a)
+            apart = std::max(
+                apart, std::abs(found.velocity[a * count + i] - expected.velocity[a * count + i]));
+        }
+        EXPECT_NEAR(moving.motion().velocity, gained + acceleration / 2, 1e-15);
+        EXPECT_NEAR(moving.motion().position, way, 1e-13);
+        way += gained + acceleration / 2;
+        gained += acceleration;
+        at_rest.step();
+        moving.step();
+      }
+      std::printf("walls %d, mirror %d: %.2e apart where the lattice gains %.1e a step\n",
+                  static_cast<int>(walls), static_cast<int>(mirror), apart, largest);
+      EXPECT_LT(apart, 1e-3 * largest);
+    }
+  }
+}
+
 // Decay rate of a Taylor-Green vortex in the plane of two axes, over one e-fold, against
 // 2 nu k^2.
 double taylor_green_error(int n, std::size_t a, std::size_t b, Collision collision) {

@@ -407,7 +407,21 @@ TEST(Fluid, SaysWhatIsWrongWithItsOptions) {
             std::string::npos);
   EXPECT_NE(message([](Options& o) { o.arithmetic = Precision::single_precision; }).find("stored"),
             std::string::npos);
+  EXPECT_NE(message([](Options& o) { o.lattice_velocity = NAN; }).find("moves along z"),
+            std::string::npos);
+  EXPECT_NE(message([](Options& o) {
+              o.lattice_velocity = 0.1;
+              o.boundary[2] = halfway;
+            }).find("moves along z"),
+            std::string::npos);
   EXPECT_EQ(message([](Options&) {}), "");
+
+  Options closed;
+  closed.nodes = {4, 4, 4};
+  closed.boundary[2] = halfway;
+  EXPECT_THROW(Fluid(MPI_COMM_SELF, closed).accelerate(1e-5), std::invalid_argument);
+  closed.boundary[2] = periodic;
+  EXPECT_THROW(Fluid(MPI_COMM_SELF, closed).accelerate(INFINITY), std::invalid_argument);
 }
 
 TEST(Fluid, RejectsABoxOutside) {

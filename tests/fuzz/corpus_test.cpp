@@ -151,10 +151,10 @@ TEST_F(CheckpointFile, SaysWhatIsWrongWithIt) {
   write(1);
   const std::string good = contents(file_);
   std::string other = good;
-  other.replace(other.find("format 1"), 8, "format 2");
+  other.replace(other.find("format 2"), 8, "format 3");
   put(other);
   EXPECT_EQ(refusal(), file_.string() +
-                           " is of format 2, and this program knows format 1: go on with the "
+                           " is of format 3, and this program knows format 2: go on with the "
                            "version of ductile that wrote it");
   put("x,y\n1,2\n");
   EXPECT_EQ(refusal(), file_.string() + " is no checkpoint of ductile");

@@ -51,6 +51,7 @@ Plan everything(fluid::Precision precision) {
   add(body(plan, "own", "sphere", {0, -0.3, -1.8}),
       capsule(plan, membrane::scheme<membrane::Heun>("heun"), 10));
   plan.ride(0.8 * plan.u_max);
+  plan.follow = true;
   return plan;
 }
 
@@ -367,6 +368,7 @@ TEST(Suspension, AnEmptyChannelIsTheSameOnAMovingLattice) {
   still.drive(0);
   for (const Plan& plan : {channel({16, 16, 6}), half, still}) {
     Plan moving = plan;
+    moving.follow = true;  // nobody
     moving.ride(0.01);
     moving.ride(0.8 * channel({16, 16, 6}).u_max);  // the last counts
     EXPECT_EQ(moving.wall_velocity(), plan.wall_velocity());
@@ -413,6 +415,50 @@ TEST(Suspension, ALatticeThatMovesWithASphereLiftsItTheSameAtAnyTau) {
       of_walls[0], with_sphere[0], of_walls[1], with_sphere[1]);
   EXPECT_LT(of_walls[0], -0.01);
   EXPECT_LT(std::abs(with_sphere[0]), 0.2 * std::abs(of_walls[0]));
+}
+
+// A lattice that follows a sphere has no say in where that goes, whatever its velocity at the
+// start.
+TEST(Suspension, ALatticeFollowsItsBodies) {
+  struct Course {
+    double x = 0;
+    double behind = 0;  // the lattice, between t = 1 and 2 [W]
+  };
+  const auto course = [](double start, bool follow) {
+    Plan plan = channel({16, 16, 32});
+    plan.ride(start * plan.u_max);
+    plan.follow = follow;
+    plan.bodies = {body(plan, "sphere", "sphere", {0.2, 0, 0}, 0.4)};
+    plan.bodies[0].kind = RigidPlan{1, 2, 0.9};
+    Suspension suspension(plan, PETSC_COMM_WORLD);
+    std::array<double, 2> ahead{};
+    Course result;
+    for (const std::size_t half : {0, 1}) {
+      while (suspension.time() < static_cast<double>(half + 1)) suspension.step();
+      const Sample sample = suspension.sample();
+      const FluidState fluid = suspension.fields();
+      if (suspension.rank() != 0) continue;
+      result.x = sample.bodies[0].position().x();
+      ahead.at(half) = sample.bodies[0].position().z() - fluid.way;
+    }
+    result.behind = ahead[1] - ahead[0];
+    return result;
+  };
+  const std::array still = {course(0, false), course(0.85, false)};
+  const std::array following = {course(0, true), course(0.85, true)};
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank != 0) return;
+  std::printf(
+      "x(2) of frames that start at rest and at .85 U apart by %.5f W, by %.5f W where they "
+      "follow, the lattice %.3f and %.4f W behind in a unit of time\n",
+      still[0].x - still[1].x, following[0].x - following[1].x, still[1].behind,
+      following[1].behind);
+  EXPECT_LT(still[0].x - still[1].x, -0.005);
+  EXPECT_LT(std::abs(following[0].x - following[1].x), 0.1 * std::abs(still[0].x - still[1].x));
+  EXPECT_GT(std::abs(still[1].behind), 0.1);
+  EXPECT_LT(std::abs(following[0].behind), 0.01);
+  EXPECT_LT(std::abs(following[1].behind), 0.01);
 }
 
 // A linear flow is the same to a point, to the kernel and to a mean over a surface: what is told at

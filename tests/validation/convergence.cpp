@@ -133,7 +133,7 @@ double lift_coefficient(int nodes, double tau, bool corrected) {
   Held body(rigid::markers_of(sphere.mesh(surface::frequency_for_edge(a, 1.2), -inwards)), centre,
             carried);
   fluid::Fluid fluid = suspension::make_fluid(plan, MPI_COMM_SELF);
-  coupling::Coupler coupler(fluid, {{0, &body}}, 1, plan.drift);
+  coupling::Coupler coupler(fluid, {{0, &body}}, 1);
   double sum = 0;
   int count = 0;
   while (plan.units.time(fluid.time()) < 3) {

@@ -38,12 +38,13 @@ void Plan::drive(double reynolds) {
 }
 
 void Plan::ride(double velocity) {
+  const double less = velocity - fluid.lattice_velocity;
   for (std::size_t side = 0; side < 2; ++side) {
-    fluid.wall_velocity[0][side].z() += drift - velocity;
+    fluid.wall_velocity[0][side].z() -= less;
     if (side_walls() && (side == 1 || fluid.mirror == fluid::Mirror::none))
-      fluid.wall_velocity[1][side].z() += drift - velocity;
+      fluid.wall_velocity[1][side].z() -= less;
   }
-  drift = velocity;
+  fluid.lattice_velocity = velocity;
 }
 
 void Plan::check() const {
@@ -84,7 +85,8 @@ std::int64_t Plan::node_count() const {
 double Plan::mach() const {
   const auto [low, high] = wall_velocity();
   double fastest = 0;
-  for (const double u : {0.0, u_max, low, high}) fastest = std::max(fastest, std::abs(u - drift));
+  for (const double u : {0.0, u_max, low, high})
+    fastest = std::max(fastest, std::abs(u - fluid.lattice_velocity));
   return std::sqrt(3.0) * fastest;
 }
 
@@ -120,7 +122,7 @@ fluid::NodeState InitialFlow::at(double x, double y) const {
 
 fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {
   fluid::Fluid fluid(comm, plan.fluid);
-  if (plan.start == Start::rest && plan.drift == 0) return fluid;
+  if (plan.start == Start::rest && plan.fluid.lattice_velocity == 0) return fluid;
   const InitialFlow flow(plan);
   // The same for a whole column of nodes, which initialise() visits one after the other.
   std::array<int, 2> column = {-1, -1};
@@ -129,7 +131,7 @@ fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {
     if (column == std::array<int, 2>{i, j}) return state;
     column = {i, j};
     state = flow.at(i, j);
-    state.velocity.z() -= plan.drift;
+    state.velocity.z() -= plan.fluid.lattice_velocity;
     return state;
   });
   return fluid;

@@ -4,6 +4,7 @@
 #include <array>
 #include <climits>
 #include <exception>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,6 +17,12 @@ namespace ductile::suspension {
 namespace {
 
 using fluid::mpi_check;
+
+// A lattice that follows the bodies: how often its acceleration is chosen, and the time in which it
+// would catch up. Bodies change their velocity over thousands of steps, that of their markers
+// trembles from node to node.
+constexpr std::int64_t steering_steps = 8;
+constexpr double relaxation_steps = 64;
 
 Plan checked(Plan plan) {
   plan.check();
@@ -31,7 +38,7 @@ Suspension::Suspension(Plan plan, MPI_Comm comm)
   for (const Owned& owned : bodies_) {
     members.push_back({static_cast<int>(owned.index), &owned.body->markers()});
   }
-  coupler_.emplace(fluid_, std::move(members), static_cast<int>(plan_.bodies.size()), plan_.drift);
+  coupler_.emplace(fluid_, std::move(members), static_cast<int>(plan_.bodies.size()));
 }
 
 Suspension::~Suspension() = default;
@@ -60,6 +67,29 @@ void Suspension::make_bodies() {
   throw std::invalid_argument("body " + plan_.bodies[body].name + ": " + reason);
 }
 
+void Suspension::step() {
+  coupler_->step();
+  if (plan_.follow && !plan_.bodies.empty() && steps() % steering_steps == 0) steer();
+}
+
+// The lattice's velocity relaxes to the mean of the bodies', a body's being that of its markers.
+void Suspension::steer() {
+  std::vector<double> velocity(plan_.bodies.size(), 0.0);
+  for (const Owned& owned : bodies_) {
+    const std::vector<double> u = owned.body->velocities();
+    double sum = 0;
+    for (std::size_t n = 2; n < u.size(); n += 3) sum += u[n];
+    velocity[owned.index] = 3 * sum / static_cast<double>(u.size());
+  }
+  // Every number is one rank's, and zero elsewhere.
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, velocity.data(), static_cast<int>(velocity.size()),
+                          MPI_DOUBLE, MPI_SUM, comm()),
+            "MPI_Allreduce");
+  const double mean =
+      std::accumulate(velocity.begin(), velocity.end(), 0.0) / static_cast<double>(velocity.size());
+  fluid_.accelerate((mean - fluid_.motion().velocity) / relaxation_steps);
+}
+
 const Body* Suspension::own(std::size_t body) const {
   for (const Owned& owned : bodies_) {
     if (owned.index == body) return owned.body.get();
@@ -82,7 +112,7 @@ Sample Suspension::sample() {
   all.time = time();
   const double halves = plan_.fluid.mirror == fluid::Mirror::none ? 1 : 2;
   const double cross_section = 4 * plan_.units.half_width() * plan_.half_width_y();
-  all.flow_rate = plan_.units.flow_rate(halves * flow + plan_.drift * cross_section);
+  all.flow_rate = plan_.units.flow_rate(halves * flow + fluid_.motion().velocity * cross_section);
   if (all.bodies.size() > 2) {
     std::vector<double> z;
     for (const BodySample& body : all.bodies) z.push_back(body.position().z());
@@ -140,10 +170,12 @@ FluidState Suspension::fields() {
   std::vector<double> velocity(3 * n);
   fluid_.fields(density, velocity);
   FluidState all;
+  all.way = plan_.units.length(fluid_.motion().position);
   all.density = planes.gathered(density);
+  const double lattice_velocity = fluid_.motion().velocity;
   for (std::size_t a = 0; a < 3; ++a) {
     for (const double u : planes.gathered(std::span(velocity).subspan(a * n, n)))
-      all.velocity.push_back(plan_.units.velocity(a == 2 ? u + plan_.drift : u));
+      all.velocity.push_back(plan_.units.velocity(a == 2 ? u + lattice_velocity : u));
   }
   return all;
 }

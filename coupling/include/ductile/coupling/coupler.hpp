@@ -52,14 +52,12 @@ class BodyFailure : public std::runtime_error {
 class Coupler {
  public:
   /// Collective. `bodies` are this rank's own, `total` is the number of all ranks' together; the
-  /// fluid and the bodies outlive the coupler. The fluid's lattice moves along z with the velocity
-  /// `drift` [lattice units]: positions, velocities and forces of bodies are those in the frame at
-  /// rest, where node (i, j, k) is at z = k + drift fluid.time(). With a mirror plane a body that
+  /// fluid and the bodies outlive the coupler. Positions, velocities and forces of bodies are those
+  /// in the frame at rest (fluid::LatticeMotion). With a mirror plane a body that
   /// has markers on both sides is its own image, and of its forces the symmetric part acts; any
   /// other has an image as its twin. Bodies that are not symmetric may not cross the plane. Throws
-  /// std::invalid_argument, on every rank, if the ids are not 0 .. total - 1, each once, or the
-  /// lattice moves along an axis that is not periodic.
-  Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total, double drift = 0);
+  /// std::invalid_argument, on every rank, if the ids are not 0 .. total - 1, each once.
+  Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total);
   ~Coupler();
   Coupler(const Coupler&) = delete;
   Coupler& operator=(const Coupler&) = delete;

@@ -59,6 +59,9 @@ struct Options {
   Collision collision = Collision::bgk;
   double magic = 3.0 / 16.0;                        ///< TRT only
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
+  /// Of the lattice itself along z, at the start: see LatticeMotion. The velocities above, and all
+  /// that the fluid is given and tells but for that, are those on the lattice.
+  double lattice_velocity = 0;
   Precision storage = Precision::double_precision;  ///< of the populations
   /// Of the collision, and so of the forces that it takes and of the velocity that it leaves in
   /// boxes. Single needs populations stored in single precision. What is asked of the fluid
@@ -85,6 +88,14 @@ struct Totals {
   double mass = 0;
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< of rho u, half the uniform force in
   [[nodiscard]] bool finite() const;
+};
+
+/// How the lattice itself moves along z, in a frame at rest: node (i, j, k) is at z = k + position
+/// there, and what moves with u on the lattice moves with u + velocity.
+struct LatticeMotion {
+  double position = 0;
+  double velocity = 0;
+  double acceleration = 0;  ///< gained in the step to come
 };
 
 /// Takes a named part of a state; the numbers are valid during the call alone.
@@ -135,6 +146,15 @@ class Fluid {
   [[nodiscard]] Range slab(int rank) const;
   /// Nodes that points may reach: all but the walls' own, and with a mirror plane their images.
   [[nodiscard]] Box domain() const;
+  /// Of the lattice, now. Its position is 0 at the start.
+  [[nodiscard]] const LatticeMotion& motion() const;
+  /// Lets the lattice gain the velocity `acceleration` in each step from now on. On the lattice
+  /// that is a uniform force of the opposite sign, and walls, which go on as they did in the frame
+  /// at rest, gain the opposite velocity. Velocities of the fluid that are told now have half of
+  /// that force in, as LatticeMotion::velocity has the opposite half: u + velocity is as it was.
+  /// Not collective, but called by all ranks alike. Throws std::invalid_argument if it is not
+  /// finite, or z not periodic.
+  void accelerate(double acceleration);
   /// Time steps done.
   [[nodiscard]] std::int64_t time() const;
   /// Bytes held by this rank: populations, messages, and force and velocity in the boxes.
@@ -145,7 +165,8 @@ class Fluid {
   /// Sets the populations of every own node to equilibrium plus the first-order non-equilibrium
   /// part of the state's gradient, w_i rho (-tau/c_s^2)(c c - c_s^2 1):grad u, less half of Guo's
   /// forcing term, as in a slowly varying flow. `state` is called with own nodes (i, j, k), and is
-  /// symmetric where a mirror plane lies on them; time is reset to 0. Collective.
+  /// symmetric where a mirror plane lies on them; time and the lattice's motion are what they were
+  /// at the start. Collective.
   void initialise(const std::function<NodeState(int, int, int)>& state);
 
   /// The box to place for points that reach the nodes of `reach`, which domain() holds and which is
@@ -194,9 +215,9 @@ class Fluid {
   bool finite();
 
   /// Writes all that determines the future but force that points have added since the last step.
-  /// "time" is one number; "f00" to "f18" are f_i - w_i of the own slab's nodes, as they are about
-  /// to collide, of velocity d3q19::c(i): nx ny nz_own numbers, x, y, z with z fastest. A node's do
-  /// not depend on how the slabs are cut. Collective.
+  /// "time" is one number, "lattice" three, those of LatticeMotion; "f00" to "f18" are f_i - w_i of
+  /// the own slab's nodes, as they are about to collide, of velocity d3q19::c(i): nx ny nz_own
+  /// numbers, x, y, z with z fastest. A node's do not depend on how the slabs are cut. Collective.
   void save(const StateWriter& write);
   /// The state of a fluid with the same options but for the instruction set, on any number of
   /// ranks: from here on results are the same to the last bit as of the one that was saved.

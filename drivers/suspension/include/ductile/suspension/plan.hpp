@@ -86,9 +86,10 @@ struct Plan {
   Start start = Start::developed;
   /// Largest velocity of the empty channel; fluid.force drives it. See drive().
   double u_max = 0;
-  /// Velocity along z of the lattice, see ride(). All else in a plan but fluid.wall_velocity, and
-  /// all that a suspension tells but where the nodes of fields() are, is in the frame at rest.
-  double drift = 0;
+  /// Whether the lattice goes on to move with the bodies: it follows the mean of their velocities.
+  /// All in a plan but fluid.wall_velocity, and all that a suspension tells but where the nodes of
+  /// fields() are, is in the frame at rest.
+  bool follow = false;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< on the excess mass of rigid bodies
   std::vector<BodyPlan> bodies;
   Units units;
@@ -99,10 +100,10 @@ struct Plan {
   /// empty and developed: eq. (1), or plane Poiseuille flow where y is periodic. Needs fluid and
   /// units.
   void drive(double reynolds);
-  /// Lets the lattice move along z: drift <- velocity, and the walls' velocities on the lattice are
-  /// less by that. Truncation errors that grow with the velocity on the lattice then vanish where
-  /// the fluid moves as the lattice does (doc/equations.md, "Galilean invariance"). Needs fluid;
-  /// may be called again.
+  /// Lets the lattice move along z from the start: fluid.lattice_velocity <- velocity, and the
+  /// walls' velocities on the lattice are less by that. Truncation errors that grow with the
+  /// velocity on the lattice then vanish where the fluid moves as the lattice does
+  /// (doc/equations.md, "Galilean invariance"). Needs fluid; may be called again.
   void ride(double velocity);
 
   /// Throws std::invalid_argument, naming the value, if the plan contradicts itself: units of
@@ -116,10 +117,11 @@ struct Plan {
   [[nodiscard]] double length() const { return fluid.nodes[2]; }
   /// Velocities along z of the walls at x = -W and x = W, in the frame at rest.
   [[nodiscard]] std::array<double, 2> wall_velocity() const {
-    return {fluid.wall_velocity[0][0].z() + drift, fluid.wall_velocity[0][1].z() + drift};
+    return {fluid.wall_velocity[0][0].z() + fluid.lattice_velocity,
+            fluid.wall_velocity[0][1].z() + fluid.lattice_velocity};
   }
   [[nodiscard]] std::int64_t node_count() const;
-  /// Largest imposed velocity on the lattice over the speed of sound 1/sqrt(3).
+  /// Largest imposed velocity on the lattice at the start over the speed of sound 1/sqrt(3).
   [[nodiscard]] double mach() const;
 };
 

@@ -37,9 +37,10 @@ struct SurfaceState {
   std::vector<double> force;     ///< on the fluid [rho nu^2]; empty of a rigid body
 };
 
-/// The whole fluid at one instant: node (i, j, k) at [(i ny + j) nz + k], which is at z = k plus
-/// the lattice's way, Plan::drift times the number of steps. Velocities are in the frame at rest.
+/// The whole fluid at one instant: node (i, j, k) at [(i ny + j) nz + k]. Velocities are in the
+/// frame at rest.
 struct FluidState {
+  double way = 0;                ///< of the lattice along z since the start [W]
   std::vector<double> density;   ///< [rho]
   std::vector<double> velocity;  ///< [nu/W]; three such arrays, one a component
 };
@@ -68,7 +69,7 @@ class Suspension {
   [[nodiscard]] const Body* own(std::size_t body) const;
 
   /// One time step of fluid and bodies, coupling/body.hpp. Throws coupling::BodyFailure.
-  void step() { coupler_->step(); }
+  void step();
   [[nodiscard]] std::int64_t steps() const { return fluid_.time(); }
   /// [W^2/nu]
   [[nodiscard]] double time() const { return plan_.units.time(steps()); }
@@ -89,9 +90,10 @@ class Suspension {
   void reset_profile() { coupler_->reset_profile(); }
 
   /// Calls rank 0's `write` with a name and numbers for all that determines the future: of the
-  /// fluid "fluid/time" and populations of the whole lattice (see fluid::Fluid::save), and of every
-  /// body "body/NAME/...". The same to the last bit on any number of ranks. Between steps only.
-  /// What `write` throws passes through there, the other ranks throw std::runtime_error.
+  /// fluid "fluid/time", "fluid/lattice" and populations of the whole lattice (see
+  /// fluid::Fluid::save), and of every body "body/NAME/...". The same to the last bit on any number
+  /// of ranks. Between steps only. What `write` throws passes through there, the other ranks throw
+  /// std::runtime_error.
   void save(const StateWriter& write);
   /// Takes over what a suspension of the same plan has saved, on any number of ranks; what follows
   /// is the same to the last bit as there. Rank 0's `read` fills the numbers of a name. What it
@@ -101,6 +103,7 @@ class Suspension {
 
  private:
   void make_bodies();
+  void steer();
 
   struct Owned {
     std::size_t index;
