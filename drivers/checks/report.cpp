@@ -63,7 +63,9 @@ void add_channel(Lines& lines, const Case& given) {
                             ? "bgk"
                             : fmt::format("trt (tau_odd = {:.4g})",
                                           0.5 + plan.fluid.magic / (plan.fluid.tau - 0.5)),
-                        precision_text(plan.fluid)));
+                        plan.fluid.equilibrium == fluid::Equilibrium::incompressible
+                            ? "incompressible, " + precision_text(plan.fluid)
+                            : precision_text(plan.fluid)));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
   if (plan.fluid.lattice_velocity != 0) {

@@ -276,6 +276,12 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
              "Of trt: (tau - 1/2)(tau_odd - 1/2); 3/16 puts half-way walls exactly half way, "
              "(tau - 1/2)^2 is bgk",
              "", " (above 1/4 bodies drift to wrong places)"),
+      choice<F, fluid::Equilibrium>(
+          "equilibrium", &F::equilibrium,
+          {{"compressible", fluid::Equilibrium::compressible},
+           {"incompressible", fluid::Equilibrium::incompressible}},
+          "Whether the density weighs in the momentum, eq. (3), or stands for the pressure alone; "
+          "the latter is the more accurate with frame = \"following\", and worse with \"walls\""),
       choice<F, LatticeFrame>(
           "frame", &F::frame,
           {{"walls", LatticeFrame::walls},

@@ -93,6 +93,7 @@ fluid::Options fluid_options(const ChannelOptions& channel, const FluidOptions& 
   fluid.tau = options.tau;
   fluid.collision = options.collision;
   fluid.magic = options.magic;
+  fluid.equilibrium = options.equilibrium;
   fluid.storage = options.storage;
   fluid.arithmetic = options.arithmetic;
   return fluid;

@@ -71,6 +71,11 @@ class FluidImpl {
   }
   /// The node of which node y is the image in the mirror plane, and the other way round.
   [[nodiscard]] int image(int y) const { return fluid::image(options_.mirror, y); }
+  /// What a node of this density weighs in its momentum.
+  [[nodiscard]] double weighing(double density) const { return compressible() ? density : 1; }
+  [[nodiscard]] bool compressible() const {
+    return options_.equilibrium == Equilibrium::compressible;
+  }
   /// Which of the two states of the AA pattern the populations are in.
   [[nodiscard]] bool odd() const { return odd_; }
   [[nodiscard]] std::size_t column(int x, int y) const {

@@ -260,6 +260,13 @@ static_assert(d3q19::w(7) == w);
 template <class V>
 constexpr bool is_single = sizeof(Number<V>) == sizeof(float);
 
+// What a node's density 1 + drho weighs in its momentum.
+template <bool compressible, class V>
+[[gnu::always_inline]] inline V weighing(V drho) {
+  if constexpr (compressible) return Number<V>{1} + drho;
+  return all<V>(1);
+}
+
 template <class V>
 [[gnu::always_inline]] inline Vector<V> combined(double a, const Vector<V>& x, double b,
                                                  const Vector<V>& y) {
@@ -399,7 +406,7 @@ constexpr int counted = (1 - sign * nx * ex<p>)*(1 - sign * ny * ey<p>);
 // the populations are the equilibrium's.
 // Half of Guo's forcing term is taken off, as in the bulk, so that the velocity of eq. (6) is the
 // wall's.
-template <int nx, int ny>
+template <int nx, int ny, bool compressible>
 struct WallRule {
   static constexpr bool edge = nx != 0 && ny != 0;
   double u[3];
@@ -456,7 +463,7 @@ struct WallRule {
     const Known<V> known = load_known<V>(row, k);
     const double uu = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     const V drho = density_less_one<V>(known);
-    const V rho = T{1} + drho;
+    const V rho = weighing<compressible>(drho);
     V pxx{};
     V pyy{};
     V pzz{};
@@ -470,8 +477,7 @@ struct WallRule {
             static_cast<T>(weight<p>) * (drho + rho * static_cast<T>(4.5 * cu * cu - uu));
         const V odd = static_cast<T>(weight<p> * 3 * cu) * rho;
         V t;  // non-equilibrium of both populations of the pair
-        const T half_force =
-            static_cast<T>(1.5 * weight<p> * along<p>(f[0], f[1], f[2]));
+        const T half_force = static_cast<T>(1.5 * weight<p> * along<p>(f[0], f[1], f[2]));
         if constexpr (counted<p, 1, nx, ny> == 0) {
           t = two * (known.minus[p] - (even - odd + half_force));
         } else if constexpr (counted<p, -1, nx, ny> == 0) {
@@ -566,7 +572,7 @@ template <class T, class Real, class F>
 }
 
 // Rows are taken by value here, so that the compiler sees that no store changes where they are.
-template <class T, bool local, class Real>
+template <class T, bool compressible, bool local, class Real>
 void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowForce force) {
   for_nodes_ahead<T>(
       row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
@@ -574,21 +580,24 @@ void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowFo
         const Nodes<V> nodes = load_nodes<V>(row, k);
         const Moments<V> m = moments_of(nodes);
         constexpr T half = 0.5;
-        const V inverse = T{1} / (T{1} + m.density_less_one);
         const Vector<V> j = {m.x + half * f.x, m.y + half * f.y, m.z + half * f.z};
-        const Vector<V> u = {j.x * inverse, j.y * inverse, j.z * inverse};
+        Vector<V> u = j;
+        if constexpr (compressible) {
+          const V inverse = T{1} / (T{1} + m.density_less_one);
+          u = {j.x * inverse, j.y * inverse, j.z * inverse};
+        }
         if constexpr (local) store_vector(force.velocity, k, u);
         relax(row, k, nodes, relaxation, m.density_less_one, u, {m.x, m.y, m.z}, j, f);
       });
 }
 
-template <class T, class Real>
+template <class T, bool compressible, class Real>
 void collide(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
              const RowForce& force) {
   if (force.local[0] != nullptr) {
-    collide_row<T, true>(row, begin, end, relaxation, force);
+    collide_row<T, compressible, true>(row, begin, end, relaxation, force);
   } else {
-    collide_row<T, false>(row, begin, end, relaxation, force);
+    collide_row<T, compressible, false>(row, begin, end, relaxation, force);
   }
 }
 
@@ -613,28 +622,28 @@ void for_wall(const RowWall& wall, F&& f) {
   }
 }
 
-template <class T, int nx, int ny, class Real>
+template <class T, bool compressible, int nx, int ny, class Real>
 void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
                       const RowForce& force, const RowWall& wall) {
-  const WallRule<nx, ny> rule(force, wall);
+  const WallRule<nx, ny, compressible> rule(force, wall);
   for_nodes_ahead<T>(
       row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
         rule.template collide_nodes<V>(row, k, relaxation);
       });
 }
 
-template <class T, class Real>
+template <class T, bool compressible, class Real>
 void collide_wall(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
                   const RowForce& force, const RowWall& wall) {
   for_wall(wall, [&]<int nx, int ny>() {
-    collide_wall_row<T, nx, ny>(row, begin, end, relaxation, force, wall);
+    collide_wall_row<T, compressible, nx, ny>(row, begin, end, relaxation, force, wall);
   });
 }
 
 template <int nx, int ny, class Real>
 void wall_density_row(Row<Real> row, int begin, int end, const RowForce& force, const RowWall& wall,
                       double* density) {
-  const WallRule<nx, ny> rule(force, wall);
+  const WallRule<nx, ny, true> rule(force, wall);  // of which the density is no matter here
   for_nodes_ahead<double>(
       row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
         store(density + k, rule.density_less_one(rule.template load_known<V>(row, k)));
@@ -662,13 +671,13 @@ void moments(const Row<Real>& row, int begin, int end, double* density, double* 
       });
 }
 
-template <class Real>
+template <bool compressible, class Real>
 void add_flow(const Row<Real>& row, int begin, int end, double half_force, double share,
               double* sum) {
   for_nodes_ahead<double>(
       row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
         const Moments<V> m = moments_of(load_nodes<V>(row, k));
-        const V u = (m.z + half_force) / (1.0 + m.density_less_one);
+        const V u = (m.z + half_force) / weighing<compressible>(m.density_less_one);
         store(sum + k, load<V>(sum + k) + share * u);
       });
 }
@@ -702,16 +711,21 @@ void stream(const Row<Real>& row, int begin, int end) {
 
 namespace DUCTILE_INSTRUCTION_SET {
 
+template <class Real, class T, bool compressible>
+constexpr Kernel<Real> functions = {collide<T, compressible, Real>,
+                                    collide_wall<T, compressible, Real>,
+                                    wall_density<Real>,
+                                    moments<Real>,
+                                    add_flow<compressible, Real>,
+                                    stream<Real>};
+
 template <class Real, class T>
-const Kernel<Real>& kernel() {
-  static constexpr Kernel<Real> functions = {collide<T, Real>,   collide_wall<T, Real>,
-                                             wall_density<Real>, moments<Real>,
-                                             add_flow<Real>,     stream<Real>};
-  return functions;
+const Kernel<Real>& kernel(bool compressible) {
+  return compressible ? functions<Real, T, true> : functions<Real, T, false>;
 }
-template const Kernel<double>& kernel<double, double>();
-template const Kernel<float>& kernel<float, double>();
-template const Kernel<float>& kernel<float, float>();
+template const Kernel<double>& kernel<double, double>(bool);
+template const Kernel<float>& kernel<float, double>(bool);
+template const Kernel<float>& kernel<float, float>(bool);
 
 }  // namespace DUCTILE_INSTRUCTION_SET
 

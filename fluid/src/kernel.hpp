@@ -65,19 +65,20 @@ struct Kernel {
 /// kernel.cpp, compiled once for each of them.
 namespace baseline {
 template <class Real, class T>
-const Kernel<Real>& kernel();
+const Kernel<Real>& kernel(bool compressible);
 }
 namespace avx2 {
 template <class Real, class T>
-const Kernel<Real>& kernel();
+const Kernel<Real>& kernel(bool compressible);
 }
 namespace avx512 {
 template <class Real, class T>
-const Kernel<Real>& kernel();
+const Kernel<Real>& kernel(bool compressible);
 }
 
-/// Of populations stored as Real, whose collision computes in T. `set` must be available.
+/// Of populations stored as Real, whose collision computes in T, with the one or the other
+/// Equilibrium. `set` must be available.
 template <class Real, class T>
-const Kernel<Real>& kernel(InstructionSet set);
+const Kernel<Real>& kernel(InstructionSet set, bool compressible);
 
 }  // namespace ductile::fluid

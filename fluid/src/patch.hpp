@@ -23,9 +23,9 @@ struct Patch {
   std::ptrdiff_t pitch = 0;
 
   std::array<std::vector<double>, 3> force;     ///< beyond the uniform one, for the next step
-  std::array<std::vector<double>, 3> velocity;  ///< (rho u0 + force/2)/rho
-  std::vector<double> density;                  ///< as of read_velocity()
-  std::array<std::vector<double>, 3> momentum;  ///< rho u0, likewise
+  std::array<std::vector<double>, 3> velocity;  ///< (momentum + force/2)/density
+  std::vector<double> density;                  ///< as of read_velocity(); 1 if it weighs nothing
+  std::array<std::vector<double>, 3> momentum;  ///< as of read_velocity()
 
   /// Index of node (i, j, k), counted from `begin`; k may lie in the padding.
   [[nodiscard]] std::ptrdiff_t at(int i, int j, int k) const {

@@ -58,7 +58,7 @@ class Populations final : public FluidImpl {
         nx_(options.nodes[0]),
         ny_(options.nodes[1]),
         slab_of_(options, slab_.size()),
-        kernel_(kernel<Real, T>(*options.instruction_set)),
+        kernel_(kernel<Real, T>(*options.instruction_set, compressible())),
         halo_(comm_, peers(), number_slots()) {}
 
   void initialise(const std::function<NodeState(int, int, int)>& state) override;
@@ -362,14 +362,14 @@ void Populations<Real, T>::initialise(const std::function<NodeState(int, int, in
         const NodeState s = state(x, y, slab_.begin + k);
         const Eigen::Vector3d& u = s.velocity;
         const double uu = u.squaredNorm();
+        const double rho = weighing(s.density);
         for (int i = 0; i < Q; ++i) {
           const auto v = d3q19::c(i);
           const Eigen::Vector3d e(v[0], v[1], v[2]);
           const double cu = e.dot(u);
-          const double equilibrium =
-              (s.density - 1) + s.density * (3 * cu + 4.5 * cu * cu - 1.5 * uu);
-          const double stress = -3 * s.density / relaxation_.omega_plus *
-                                (e.dot(s.gradient * e) - s.gradient.trace() / 3);
+          const double equilibrium = (s.density - 1) + rho * (3 * cu + 4.5 * cu * cu - 1.5 * uu);
+          const double stress =
+              -3 * rho / relaxation_.omega_plus * (e.dot(s.gradient * e) - s.gradient.trace() / 3);
           const double forcing = -0.5 * (3 * (e - u).dot(force) + 9 * cu * e.dot(force));
           slab_of_.at(i, x, y)[k] =
               static_cast<Real>(d3q19::w(i) * (equilibrium + stress + forcing));
@@ -401,7 +401,7 @@ void Populations<Real, T>::read_velocity() {
                         &patch.momentum[0][first] - begin, &patch.momentum[1][first] - begin,
                         &patch.momentum[2][first] - begin);
         for (std::size_t n = first; n < first + count; ++n) {
-          patch.density[n] += 1;
+          patch.density[n] = weighing(patch.density[n] + 1);
           for (std::size_t axis = 0; axis < 3; ++axis) {
             patch.momentum[axis][n] += half[static_cast<Eigen::Index>(axis)];
           }
@@ -430,7 +430,7 @@ void Populations<Real, T>::read_row(int x, int y, double* density,
     density[k] += 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double half_force = 0.5 * force_[static_cast<Eigen::Index>(axis)];
-      velocity[axis][k] = (velocity[axis][k] + half_force) / density[k];
+      velocity[axis][k] = (velocity[axis][k] + half_force) / weighing(density[k]);
     }
   }
 }
@@ -466,7 +466,7 @@ std::vector<double> Populations<Real, T>::plane_sums() {
       for (std::size_t k = 0; k < planes; ++k) {
         sums[4 * k] += share * (row[k] - 1);
         for (std::size_t axis = 1; axis < 4; ++axis) {
-          sums[4 * k + axis] += share * (row[k] * row[axis * planes + k]);
+          sums[4 * k + axis] += share * (weighing(row[k]) * row[axis * planes + k]);
         }
       }
     }

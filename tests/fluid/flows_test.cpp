@@ -26,8 +26,9 @@ Field fields(Fluid& fluid) {
   return field;
 }
 
-// A slow flow that starts is the same in the frame at rest, however the lattice is accelerated under
-// it: between walls that move, and where nothing holds it. What is apart is quadratic in velocities.
+// A slow flow that starts is the same in the frame at rest, however the lattice is accelerated
+// under it: between walls that move, and where nothing holds it. What is apart is quadratic in
+// velocities.
 TEST(MovingLattice, TellsTheSameFlowAsOneAtRest) {
   using enum Boundary;
   for (const auto walls : {halfway, regularized, periodic}) {

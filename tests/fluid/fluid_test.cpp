@@ -32,6 +32,13 @@ NodeState wavy(const Options& o, int i, int j, int k) {
   return s;
 }
 
+// What the node weighs in its momentum.
+double weighing(const Options& o, const NodeState& s) {
+  return o.equilibrium == Equilibrium::compressible ? s.density : 1;
+}
+
+constexpr std::array equilibria = {Equilibrium::compressible, Equilibrium::incompressible};
+
 struct Field {
   std::vector<double> density;
   std::vector<double> velocity;
@@ -52,7 +59,8 @@ struct Case {
   bool patches;
 };
 
-class InPlace : public testing::TestWithParam<std::tuple<Case, ductile::test::Precisions>> {};
+class InPlace
+    : public testing::TestWithParam<std::tuple<Case, ductile::test::Precisions, Equilibrium>> {};
 
 // The in-place step, with its walls, moving walls and boxes of local force, is the lattice
 // Boltzmann equation: density and velocity agree with the two-lattice code, which is in double
@@ -66,6 +74,7 @@ TEST_P(InPlace, StepIsTheLatticeBoltzmannEquation) {
   o.nodes = {7, 6, 9};
   o.boundary = test.boundary;
   o.collision = test.collision;
+  o.equilibrium = std::get<2>(GetParam());
   o.tau = 0.8;
   o.force = {1e-4, -2e-4, 3e-4};
   if (test.moving_walls) {
@@ -88,7 +97,8 @@ TEST_P(InPlace, StepIsTheLatticeBoltzmannEquation) {
           const double forcing = (3 * (e - s.velocity) + 9 * cu * e).dot(o.force);
           reference.f(i, x, y, z) =
               d3q19::w(i) *
-              (s.density * (1 + 3 * cu + 4.5 * cu * cu - 1.5 * s.velocity.squaredNorm()) -
+              (s.density +
+               weighing(o, s) * (3 * cu + 4.5 * cu * cu - 1.5 * s.velocity.squaredNorm()) -
                0.5 * forcing);
         }
       }
@@ -155,9 +165,10 @@ INSTANTIATE_TEST_SUITE_P(
             Case{"duct", {regularized, regularized, periodic}, Collision::trt, true, true},
             Case{"tank", {regularized, regularized, halfway}, Collision::bgk, true, true},
             Case{"mixed", {halfway, regularized, periodic}, Collision::bgk, true, true}),
-        testing::ValuesIn(ductile::test::precisions)),
+        testing::ValuesIn(ductile::test::precisions), testing::ValuesIn(equilibria)),
     [](const auto& test) {
-      return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param).name;
+      return std::string(std::get<0>(test.param).name) + "_" + std::get<1>(test.param).name +
+             (std::get<2>(test.param) == Equilibrium::compressible ? "" : "_incompressible");
     });
 
 TEST(Fluid, KeepsMassAndGainsTheForceAsMomentum) {
@@ -167,17 +178,20 @@ TEST(Fluid, KeepsMassAndGainsTheForceAsMomentum) {
     o.tau = 0.7;
     o.force = {1e-5, 2e-5, -3e-5};
     precision.choose(o);
-    Fluid fluid(MPI_COMM_WORLD, o);
-    fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
-    const Totals before = fluid.totals();
-    constexpr int steps = 51;
-    for (int n = 0; n < steps; ++n) fluid.step();
-    const Totals after = fluid.totals();
-    const double nodes = 8 * 7 * 12;
-    // round-off of the storage, times a random walk over the steps
-    const double eps = precision.all_double() ? 1e-15 : 1e-7;
-    EXPECT_NEAR(after.mass, before.mass, nodes * eps);
-    EXPECT_LT((after.momentum - before.momentum - steps * nodes * o.force).norm(), nodes * eps);
+    for (const Equilibrium equilibrium : equilibria) {
+      o.equilibrium = equilibrium;
+      Fluid fluid(MPI_COMM_WORLD, o);
+      fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
+      const Totals before = fluid.totals();
+      constexpr int steps = 51;
+      for (int n = 0; n < steps; ++n) fluid.step();
+      const Totals after = fluid.totals();
+      const double nodes = 8 * 7 * 12;
+      // round-off of the storage, times a random walk over the steps
+      const double eps = precision.all_double() ? 1e-15 : 1e-7;
+      EXPECT_NEAR(after.mass, before.mass, nodes * eps);
+      EXPECT_LT((after.momentum - before.momentum - steps * nodes * o.force).norm(), nodes * eps);
+    }
   }
 }
 
@@ -245,37 +259,40 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
-  Options o;
-  o.nodes = {8, 8, 8};
-  o.force = {0, 0, 2e-3};
-  Fluid fluid(MPI_COMM_WORLD, o);
-  fluid.initialise([](int, int, int) {
-    NodeState s;
-    s.density = 1.02;
-    s.velocity = {0.01, 0.02, 0.03};
-    return s;
-  });
-  const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {6, 10}}}};  // across the periodic end
-  fluid.place_boxes(boxes);
-  fluid.read_velocity();
-  std::size_t nodes = 0;
-  for (Patch& patch : patches(fluid)) {
-    for (auto& f : patch.force) std::fill(f.begin(), f.end(), 0.04);
-  }
-  fluid.update_velocity();
-  for (const Patch& patch : patches(fluid)) {
-    for (int i = 0; i < patch.size[0]; ++i) {
-      for (int j = 0; j < patch.size[1]; ++j) {
-        for (int k = 0; k < patch.size[2]; ++k, ++nodes) {
-          const auto n = static_cast<std::size_t>(patch.at(i, j, k));
-          EXPECT_NEAR(patch.density[n], 1.02, 1e-15);
-          EXPECT_NEAR(patch.velocity[0][n], 0.01 + 0.02 / 1.02, 1e-15);
-          EXPECT_NEAR(patch.velocity[2][n], 0.03 + 0.02 / 1.02, 1e-15);
+  for (const Equilibrium equilibrium : equilibria) {
+    Options o;
+    o.equilibrium = equilibrium;
+    const double weighing = equilibrium == Equilibrium::compressible ? 1.02 : 1;
+    o.nodes = {8, 8, 8};
+    o.force = {0, 0, 2e-3};
+    Fluid fluid(MPI_COMM_WORLD, o);
+    fluid.initialise([](int, int, int) {
+      NodeState s;
+      s.density = 1.02;
+      s.velocity = {0.01, 0.02, 0.03};
+      return s;
+    });
+    const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {6, 10}}}};  // across the periodic end
+    fluid.place_boxes(boxes);
+    fluid.read_velocity();
+    std::size_t nodes = 0;
+    for (Patch& patch : patches(fluid)) {
+      for (auto& f : patch.force) std::fill(f.begin(), f.end(), 0.04);
+    }
+    fluid.update_velocity();
+    for (const Patch& patch : patches(fluid)) {
+      for (int i = 0; i < patch.size[0]; ++i) {
+        for (int j = 0; j < patch.size[1]; ++j) {
+          for (int k = 0; k < patch.size[2]; ++k, ++nodes) {
+            const auto n = static_cast<std::size_t>(patch.at(i, j, k));
+            EXPECT_NEAR(patch.velocity[0][n], 0.01 + 0.02 / weighing, 1e-15);
+            EXPECT_NEAR(patch.velocity[2][n], 0.03 + 0.02 / weighing, 1e-15);
+          }
         }
       }
     }
+    EXPECT_EQ(nodes, 64U);
   }
-  EXPECT_EQ(nodes, 64U);
 }
 
 // What a step leaves in the patches is what a body that asks beforehand is told, and no force.
@@ -286,6 +303,7 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
     o.boundary = {halfway, regularized, periodic};
     o.force = {1e-4, -2e-4, 2e-3};
     precision.choose(o);
+    o.equilibrium = equilibria.at(precision.all_double() ? 1 : 0);
     Fluid fluid(MPI_COMM_WORLD, o);
     fluid.initialise([&](int i, int j, int k) { return wavy(o, i, j, k); });
     const std::array<Box, 1> boxes = {Box{{{2, 6}, {2, 6}, {12, 30}}}};  // across the periodic end
@@ -332,6 +350,7 @@ TEST(InstructionSets, GiveTheSameBits) {
       o.tau = 0.8;
       o.force = {1e-4, mirror == Mirror::none ? -2e-4 : 0, 3e-4};
       precision.choose(o);
+      o.equilibrium = equilibria.at(mirror == Mirror::none ? 0 : 1);
       std::vector<Field> results;
       std::vector<double> flows;
       for (const InstructionSet set :

@@ -33,7 +33,7 @@ class TwoLattice {
         s.density += f(i, x, y, z);
         s.velocity += f(i, x, y, z) * vector(i);
       }
-      s.velocity /= s.density;
+      s.velocity /= weighing(s.density);
       return s;
     }
     // No mass passes: sum (1 - c.n_x)(1 - c.n_y) f of what arrives is that of what leaves.
@@ -91,9 +91,13 @@ class TwoLattice {
     const auto v = fluid::d3q19::c(i);
     return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
   }
-  static double equilibrium_of(int i, double rho, const Eigen::Vector3d& u) {
+  [[nodiscard]] double weighing(double density) const {
+    return options_.equilibrium == fluid::Equilibrium::compressible ? density : 1;
+  }
+  [[nodiscard]] double equilibrium_of(int i, double rho, const Eigen::Vector3d& u) const {
     const double cu = vector(i).dot(u);
-    return fluid::d3q19::w(i) * rho * (1 + 3 * cu + 4.5 * cu * cu - 1.5 * u.squaredNorm());
+    return fluid::d3q19::w(i) *
+           (rho + weighing(rho) * (3 * cu + 4.5 * cu * cu - 1.5 * u.squaredNorm()));
   }
 
   // Into the fluid, of a wall on nodes across an axis at that node; zero if there is none.

@@ -43,6 +43,12 @@ enum class Collision {
   trt   ///< two relaxation times: odd moments relax so that (tau - 1/2)(tau_odd - 1/2) = magic
 };
 
+/// What the density is besides the pressure p = (rho - rho0)/3.
+enum class Equilibrium {
+  compressible,   ///< eq. (3): it multiplies the velocity; the momentum is rho u
+  incompressible  ///< nothing: the momentum is rho0 u (He and Luo 1997)
+};
+
 enum class Precision { double_precision, single_precision };
 
 /// All that defines a fluid; lattice units (dx = dt = rho0 = 1).
@@ -57,7 +63,8 @@ struct Options {
        {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
   double tau = 1;  ///< relaxation time of the viscous stress; nu = (tau - 1/2)/3
   Collision collision = Collision::bgk;
-  double magic = 3.0 / 16.0;                        ///< TRT only
+  double magic = 3.0 / 16.0;  ///< TRT only
+  Equilibrium equilibrium = Equilibrium::compressible;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< uniform body force density
   /// Of the lattice itself along z, at the start: see LatticeMotion. The velocities above, and all
   /// that the fluid is given and tells but for that, are those on the lattice.
@@ -86,7 +93,7 @@ struct NodeState {
 struct Totals {
   /// of rho - 1; constant but for round-off, whatever the walls (doc/equations.md)
   double mass = 0;
-  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< of rho u, half the uniform force in
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  ///< half the uniform force in
   [[nodiscard]] bool finite() const;
 };
 
@@ -190,7 +197,8 @@ class Fluid {
   /// populations: for bodies that must know the velocity before they choose their force.
   /// Collective.
   void read_velocity();
-  /// In all boxes, velocity <- (momentum + force/2)/density.
+  /// In all boxes, velocity <- (momentum + force/2)/density, or without the density where that is
+  /// no part of the momentum.
   void update_velocity();
 
   /// One time step, eqs. (2)-(6), from t to t + 1: collides with the uniform force plus that of the
