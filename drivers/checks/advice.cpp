@@ -66,6 +66,13 @@ void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
                     "more nodes or a lower tau reduce it",
                     plan.mach()));
   }
+  if (plan.fluid.equilibrium == fluid::Equilibrium::incompressible && !plan.follow &&
+      !plan.bodies.empty() && plan.u_max != 0) {
+    list.emplace_back(
+        "on a lattice that does not follow the bodies an incompressible equilibrium shifts them "
+        "across the channel, more than a compressible one does: take fluid.frame = "
+        "\"following\"");
+  }
   for (const Gap& gap : gaps(plan)) {
     if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off) {
       list.push_back(fmt::format(

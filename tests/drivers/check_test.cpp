@@ -143,6 +143,19 @@ TEST(Check, WarnsWhereTwoRelaxationTimesAreNotGalileanInvariant) {
   EXPECT_TRUE(warnings(parse_case("[fluid]\ntau = 0.6\n" + trt, "case.toml")).empty());
 }
 
+TEST(Check, WarnsOfAnIncompressibleFluidOnALatticeThatDoesNotFollow) {
+  const auto warned = [](const std::string& frame, const std::string& bodies) {
+    return warnings(
+        parse_case("[fluid]\nequilibrium = 'incompressible'\nframe = '" + frame + "'\n" + bodies,
+                   "case.toml"));
+  };
+  const std::string rigid = "[[body]]\nkind = 'rigid'\n";
+  for (const char* frame : {"walls", "bodies"})
+    EXPECT_TRUE(any_contains(warned(frame, rigid), "take fluid.frame = \"following\"")) << frame;
+  EXPECT_TRUE(warned("following", rigid).empty());
+  EXPECT_TRUE(warned("walls", "").empty());
+}
+
 TEST(Check, NotesWhatTheRunMakesOfTheScenario) {
   const auto noted = [](const std::string& text) { return notes(parse_case(text, "case.toml")); };
   const auto reduced = noted(std::string(pair_text));
