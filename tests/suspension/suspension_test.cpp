@@ -387,18 +387,23 @@ TEST(Suspension, AnEmptyChannelIsTheSameOnAMovingLattice) {
   }
 }
 
+// A rigid sphere off the axis; the lattice starts with so much of the flow's largest velocity.
+Plan with_sphere(double tau, double frame) {
+  Plan plan = channel({16, 16, 32});
+  plan.fluid.tau = tau;
+  plan.units = Plan::channel_units(plan.fluid);
+  plan.drive(10);
+  plan.ride(frame * plan.u_max);
+  plan.bodies = {body(plan, "sphere", "sphere", {0.2, 0, 0}, 0.4)};
+  plan.bodies[0].kind = RigidPlan{1, 2, 0.9};
+  return plan;
+}
+
 // Where a rigid sphere goes at tau = 1 and 0.7 differs by the lattice's own errors, most of which
 // come with its velocity on the lattice (doc/equations.md, "Galilean invariance").
 TEST(Suspension, ALatticeThatMovesWithASphereLiftsItTheSameAtAnyTau) {
   const auto lifted = [](double tau, double frame) {
-    Plan plan = channel({16, 16, 32});
-    plan.fluid.tau = tau;
-    plan.units = Plan::channel_units(plan.fluid);
-    plan.drive(10);
-    plan.ride(frame * plan.u_max);
-    plan.bodies = {body(plan, "sphere", "sphere", {0.2, 0, 0}, 0.4)};
-    plan.bodies[0].kind = RigidPlan{1, 2, 0.9};
-    Suspension suspension(plan, PETSC_COMM_WORLD);
+    Suspension suspension(with_sphere(tau, frame), PETSC_COMM_WORLD);
     while (suspension.time() < 2) suspension.step();
     const Sample end = suspension.sample();
     if (suspension.rank() != 0) return Eigen::Vector2d(0, 0);
@@ -425,11 +430,8 @@ TEST(Suspension, ALatticeFollowsItsBodies) {
     double behind = 0;  // the lattice, between t = 1 and 2 [W]
   };
   const auto course = [](double start, bool follow) {
-    Plan plan = channel({16, 16, 32});
-    plan.ride(start * plan.u_max);
+    Plan plan = with_sphere(1, start);
     plan.follow = follow;
-    plan.bodies = {body(plan, "sphere", "sphere", {0.2, 0, 0}, 0.4)};
-    plan.bodies[0].kind = RigidPlan{1, 2, 0.9};
     Suspension suspension(plan, PETSC_COMM_WORLD);
     std::array<double, 2> ahead{};
     Course result;
@@ -465,16 +467,11 @@ TEST(Suspension, ALatticeFollowsItsBodies) {
 // through (tau - 1/2)(tau_odd - 1/2) alone: so does where a sphere goes that the lattice follows.
 TEST(Suspension, ASphereThatIsFollowedGoesTheSameWayAtAnyTau) {
   const auto lifted = [](double tau, fluid::Equilibrium equilibrium) {
-    Plan plan = channel({16, 16, 32});
-    plan.fluid.tau = tau;
+    Plan plan = with_sphere(tau, 0.85);
     plan.fluid.collision = fluid::Collision::trt;
     plan.fluid.magic = 0.25;  // of bgk at tau = 1
     plan.fluid.equilibrium = equilibrium;
-    plan.units = Plan::channel_units(plan.fluid);
-    plan.drive(10);
-    plan.ride(0.85 * plan.u_max);
     plan.follow = true;
-    plan.bodies = {body(plan, "sphere", "sphere", {0.2, 0, 0}, 0.4)};
     plan.bodies[0].kind = RigidPlan{1, 5, 0.9};
     Suspension suspension(plan, PETSC_COMM_WORLD);
     while (suspension.time() < 6) suspension.step();
