@@ -69,9 +69,9 @@ void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
   if (plan.fluid.equilibrium == fluid::Equilibrium::incompressible && !plan.follow &&
       !plan.bodies.empty() && plan.u_max != 0) {
     list.emplace_back(
-        "on a lattice that does not follow the bodies an incompressible equilibrium shifts them "
-        "across the channel, more than a compressible one does: take fluid.frame = "
-        "\"following\"");
+        "on a lattice at rest an incompressible equilibrium shifts bodies across the channel, more "
+        "than a compressible one does: take fluid.frame = \"bodies\" or fluid.equilibrium = "
+        "\"compressible\"");
   }
   for (const Gap& gap : gaps(plan)) {
     if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off) {

@@ -57,22 +57,21 @@ void add_channel(Lines& lines, const Case& given) {
   lines.add("",
             fmt::format("half-width along y {:.6g} W, length {:.6g} W",
                         plan.units.length(plan.half_width_y()), plan.units.length(plan.length())));
-  lines.add("fluid",
-            fmt::format("tau = {}, nu = {:.6g}, {}, {}", plan.fluid.tau, plan.units.viscosity(),
-                        plan.fluid.collision == fluid::Collision::bgk
-                            ? "bgk"
-                            : fmt::format("trt (tau_odd = {:.4g})",
-                                          0.5 + plan.fluid.magic / (plan.fluid.tau - 0.5)),
-                        plan.fluid.equilibrium == fluid::Equilibrium::incompressible
-                            ? "incompressible, " + precision_text(plan.fluid)
-                            : precision_text(plan.fluid)));
+  lines.add(
+      "fluid",
+      fmt::format("tau = {}, nu = {:.6g}, {}, {}, {}", plan.fluid.tau, plan.units.viscosity(),
+                  plan.fluid.collision == fluid::Collision::bgk
+                      ? "bgk"
+                      : fmt::format("trt (tau_odd = {:.4g})",
+                                    0.5 + plan.fluid.magic / (plan.fluid.tau - 0.5)),
+                  plan.fluid.equilibrium == fluid::Equilibrium::incompressible ? "incompressible"
+                                                                               : "compressible",
+                  precision_text(plan.fluid)));
   lines.add("flow", fmt::format("Re = {}, U_max = {:.6g}, body force {:.6g}, Mach number {:.3f}",
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
-  if (plan.fluid.lattice_velocity != 0) {
-    lines.add("",
-              fmt::format("the lattice {} with {:.4g} nu/W",
-                          plan.follow ? "follows the bodies along z, at first" : "moves along z",
-                          plan.units.velocity(plan.fluid.lattice_velocity)));
+  if (plan.follow && !plan.bodies.empty()) {
+    lines.add("", fmt::format("the lattice goes along with the bodies, at first with {:.4g} nu/W",
+                              plan.units.velocity(plan.fluid.lattice_velocity)));
   }
   if (const auto& [low, high] = channel.wall_velocity; low != 0 || high != 0) {
     lines.add("", fmt::format("walls at x = -1 and 1 move at {} and {} nu/W, shear rate {:.6g} "

@@ -23,7 +23,7 @@
 
 namespace ductile::drivers {
 
-constexpr int checkpoint_format = 2;
+constexpr int checkpoint_format = 3;
 
 /// A checkpoint that is none, is damaged, of an unknown format, or lacks something; names the file.
 class CheckpointError : public std::runtime_error {

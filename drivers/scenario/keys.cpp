@@ -280,18 +280,16 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
           "equilibrium", &F::equilibrium,
           {{"compressible", fluid::Equilibrium::compressible},
            {"incompressible", fluid::Equilibrium::incompressible}},
-          "Whether the density weighs in the momentum, eq. (3), or stands for the pressure alone; "
-          "the latter is the more accurate with frame = \"following\", and worse with \"walls\""),
+          "Whether the density weighs in the momentum, eq. (3), or stands for the pressure alone, "
+          "which is the more accurate where the lattice goes along with the bodies, and worse "
+          "where "
+          "it rests",
+          "incompressible, with frame = \"walls\" compressible"),
       choice<F, LatticeFrame>(
-          "frame", &F::frame,
-          {{"walls", LatticeFrame::walls},
-           {"bodies", LatticeFrame::bodies},
-           {"following", LatticeFrame::following}},
-          "What the lattice moves with along z: the walls; the bodies, with the mean of what the "
-          "flow at the start would carry them with; or following them, with the mean of their "
-          "velocities as these change. Errors that grow with a body's velocity on the lattice, in "
-          "its lift above all, then all but vanish; results are told in the walls' frame either "
-          "way"),
+          "frame", &F::frame, {{"walls", LatticeFrame::walls}, {"bodies", LatticeFrame::bodies}},
+          "What the lattice moves with along z: the walls, or the bodies, with the mean of their "
+          "velocities. Errors that grow with a body's velocity on the lattice, in its lift above "
+          "all, then all but vanish; results are told in the walls' frame either way"),
       choice<F, fluid::Precision>("storage", &F::storage, precisions,
                                   "Precision in which the populations are stored"),
       choice<F, fluid::Precision>("arithmetic", &F::arithmetic, precisions,

@@ -122,8 +122,10 @@ Case planned(Scenario scenario) {
   for (const BodyOptions& body : scenario.bodies)
     plan.bodies.push_back(body_plan(body, plan.fluid, units));
 
-  if (scenario.fluid.frame != LatticeFrame::walls) plan.ride(velocity_of_bodies(plan));
-  plan.follow = scenario.fluid.frame == LatticeFrame::following;
+  if (scenario.fluid.frame == LatticeFrame::bodies) {
+    plan.ride(velocity_of_bodies(plan));
+    plan.follow = true;
+  }
 
   const OutputOptions& output = scenario.output;
   const Schedule schedule{

@@ -105,7 +105,12 @@ class Reader {
   void read_fluid(FluidOptions& fluid) const {
     read_table("fluid", fluid_keys(), fluid);
     const auto* table = document_.root()["fluid"].as_table();
-    const toml::node* arithmetic = table == nullptr ? nullptr : table->get("arithmetic");
+    const auto told = [table](const char* key) -> const toml::node* {
+      return table == nullptr ? nullptr : table->get(key);
+    };
+    if (told("equilibrium") == nullptr && fluid.frame == LatticeFrame::walls)
+      fluid.equilibrium = fluid::Equilibrium::compressible;
+    const toml::node* arithmetic = told("arithmetic");
     if (arithmetic == nullptr) {
       fluid.arithmetic = fluid.storage;
     } else if (fluid.arithmetic == fluid::Precision::single_precision &&

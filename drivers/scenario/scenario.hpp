@@ -19,7 +19,7 @@ namespace ductile::drivers {
 enum class Symmetry { none, y };
 enum class BodyKind { capsule, rigid };
 /// What the fluid's lattice moves with along z.
-enum class LatticeFrame { walls, bodies, following };
+enum class LatticeFrame { walls, bodies };
 
 /// [channel]: |x| < 1, |y| < half_width_y, periodic along z.
 struct ChannelOptions {
@@ -41,7 +41,8 @@ struct FluidOptions {
   double tau = 1;
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
-  fluid::Equilibrium equilibrium = fluid::Equilibrium::compressible;
+  fluid::Equilibrium equilibrium =
+      fluid::Equilibrium::incompressible;  ///< unless told, the frame's
   LatticeFrame frame = LatticeFrame::bodies;
   fluid::Precision storage = fluid::Precision::single_precision;     ///< doc/precision.md
   fluid::Precision arithmetic = fluid::Precision::single_precision;  ///< unless told, the storage's

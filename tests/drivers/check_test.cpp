@@ -143,17 +143,19 @@ TEST(Check, WarnsWhereTwoRelaxationTimesAreNotGalileanInvariant) {
   EXPECT_TRUE(warnings(parse_case("[fluid]\ntau = 0.6\n" + trt, "case.toml")).empty());
 }
 
-TEST(Check, WarnsOfAnIncompressibleFluidOnALatticeThatDoesNotFollow) {
-  const auto warned = [](const std::string& frame, const std::string& bodies) {
-    return warnings(
-        parse_case("[fluid]\nequilibrium = 'incompressible'\nframe = '" + frame + "'\n" + bodies,
-                   "case.toml"));
+TEST(Check, WarnsOfAnIncompressibleFluidOnALatticeAtRest) {
+  const auto warned = [](const std::string& fluid, const std::string& bodies) {
+    return warnings(parse_case("[fluid]\n" + fluid + bodies, "case.toml"));
   };
+  const std::string at_rest = "frame = 'walls'\n";
+  const std::string incompressible = "equilibrium = 'incompressible'\n";
   const std::string rigid = "[[body]]\nkind = 'rigid'\n";
-  for (const char* frame : {"walls", "bodies"})
-    EXPECT_TRUE(any_contains(warned(frame, rigid), "take fluid.frame = \"following\"")) << frame;
-  EXPECT_TRUE(warned("following", rigid).empty());
-  EXPECT_TRUE(warned("walls", "").empty());
+  EXPECT_TRUE(any_contains(warned(at_rest + incompressible, rigid),
+                           "take fluid.frame = \"bodies\" or fluid.equilibrium = "
+                           "\"compressible\""));
+  EXPECT_TRUE(warned(at_rest, rigid).empty());
+  EXPECT_TRUE(warned(incompressible, rigid).empty());
+  EXPECT_TRUE(warned(at_rest + incompressible, "").empty());
 }
 
 TEST(Check, NotesWhatTheRunMakesOfTheScenario) {
@@ -407,9 +409,9 @@ TEST(Check, ReportSaysWhatTheRunWouldBe) {
   const std::string text = report(parse_case(pair_text, "case.toml"), 2, std::nullopt);
   for (const char* part :
        {"36 x 36 x 216 = 279936 nodes", "W = 18 dx", "Mach number 0.070",
-        "moves along z with 4.377 nu/W", "1944 steps per W^2/nu", "116640 steps until t = 60",
-        "lag: capsule, a = 7.2 dx", "k_s = 0.3614",
-        "of the limit of explicit-euler (shear 10%, bending 1%, volume 23%)",
+        "goes along with the bodies, at first with 4.377 nu/W", "bgk, incompressible, single",
+        "1944 steps per W^2/nu", "116640 steps until t = 60", "lag: capsule, a = 7.2 dx",
+        "k_s = 0.3614", "of the limit of explicit-euler (shear 10%, bending 1%, volume 23%)",
         "integrator explicit-euler: the cheapest that is stable here", "21.3 MB",
         "4.987 dx from body \"lead\" to body", "until the time limit on 2 ranks, ",
         " on 1, a guess", "of a step on 1 rank the fluid takes"})

@@ -147,6 +147,19 @@ TEST(Scenario, ArithmeticFollowsStorageUnlessItIsGiven) {
   EXPECT_EQ(arithmetic("fluid.arithmetic = \"double\"\n"), fluid::Precision::double_precision);
 }
 
+TEST(Scenario, EquilibriumGoesWithTheFrameUnlessItIsGiven) {
+  using fluid::Equilibrium;
+  const auto equilibrium = [](const std::string& text) {
+    return read(text, "c").fluid.equilibrium;
+  };
+  EXPECT_EQ(equilibrium(""), Equilibrium::incompressible);
+  EXPECT_EQ(equilibrium("fluid.frame = \"bodies\"\n"), Equilibrium::incompressible);
+  EXPECT_EQ(equilibrium("fluid.frame = \"walls\"\n"), Equilibrium::compressible);
+  EXPECT_EQ(equilibrium("fluid.equilibrium = \"compressible\"\n"), Equilibrium::compressible);
+  EXPECT_EQ(equilibrium("fluid.equilibrium = \"incompressible\"\nfluid.frame = \"walls\"\n"),
+            Equilibrium::incompressible);
+}
+
 // What is felt can be said to be, of all bodies and of one.
 TEST(Scenario, ARetractionMayBeFelt) {
   const std::string capsule = "[[body]]\nlaplace = 10\n";

@@ -98,6 +98,7 @@ class Held final : public coupling::Body {
   }
   // Force of the fluid on it along x in the latest step.
   [[nodiscard]] double lift() const { return lift_; }
+  [[nodiscard]] double velocity() const { return velocity_; }
 
  private:
   void place() {
@@ -127,7 +128,10 @@ double lift_coefficient(int nodes, double tau, bool corrected) {
   const Vector3d centre = plan.units.lattice_position({0.3, 0, 0});
   const double carried = suspension::InitialFlow(plan).at(centre.x(), centre.y()).velocity.z();
   const double a = 0.4 * W;
-  if (corrected) plan.ride(0.8 * plan.u_max);
+  if (corrected) {
+    plan.fluid.equilibrium = fluid::Equilibrium::incompressible;
+    plan.ride(carried);
+  }
   const surface::Sphere sphere(a);
   const double inwards = corrected ? suspension::felt_retraction(sphere, plan.fluid) : 0;
   Held body(rigid::markers_of(sphere.mesh(surface::frequency_for_edge(a, 1.2), -inwards)), centre,
@@ -138,6 +142,8 @@ double lift_coefficient(int nodes, double tau, bool corrected) {
   int count = 0;
   while (plan.units.time(fluid.time()) < 3) {
     coupler.step();
+    if (corrected && fluid.time() % 8 == 0)  // as a suspension whose lattice follows
+      fluid.accelerate((body.velocity() - fluid.motion().velocity) / 64);
     if (plan.units.time(fluid.time()) < 2) continue;
     sum += body.lift();
     ++count;
@@ -169,6 +175,10 @@ double deformation(double a, double C, bool corrected) {
   plan.fluid.wall_velocity[0] = {-u, u};
   plan.units = Plan::channel_units(plan.fluid);
   plan.drive(0);
+  if (corrected) {
+    plan.fluid.equilibrium = fluid::Equilibrium::incompressible;
+    plan.follow = true;
+  }
   suspension::BodyPlan body;
   body.name = "capsule";
   body.shape = surface::make_shape("sphere", a);
