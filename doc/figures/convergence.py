@@ -38,7 +38,7 @@ def maxima(run):
 
 
 def settled(run):
-    """x at t = 40."""
+    """x at the end, at rest."""
     return run["particle_x[W]"][-1] if run["t[W^2/nu]"][-1] > 39.9 else None
 
 
@@ -68,16 +68,19 @@ def last_distance(run):
 
 # Name of the figure, campaign, case (with @ for the nodes), quantity, what it is.
 CASES = [
-    ("La10", "soft", "sphere-La10_nodes_@", early, "La = 10: x at t = 5 [W]"),
-    ("La100", "soft", "sphere-La100_nodes_@", settled, "La = 100: x at t = 40 [W]"),
+    ("La10", "soft", "nodes_@", early, "La = 10: x at t = 5 [W]"),
+    ("La100", "stiff", "nodes_@", settled, "La = 100: x at rest [W]"),
     ("cell", "cell", "nodes_@", mean_x, "biconcave, La = 100: mean x, t = 20 to 40 [W]"),
-    ("rigid", "rigid", "nodes_@", settled, "rigid: x at t = 40 [W]"),
+    ("rigid", "rigid", "nodes_@", settled, "rigid: x at rest [W]"),
     ("M2-near", "M2", "near_nodes_@", first_maximum, "M2, x_lag = 0: first maximum of dz [W]"),
     ("M2-far", "M2", "far_nodes_@", turn, "M2, x_lag = 0.4: largest dz [W]"),
     ("M3", "M3", "lag-x_-0.2_nodes_@", last_distance, "M3, x_lag = -0.2: dz at t = 40 [W]"),
 ]
 NODES = (20, 24, 30, 36, 48)
-STATIC = {"array": "cubic array of spheres: K", "shear-1": "capsule in shear, C = 1: D/Ca",
+STATIC = {"array": "cubic array of spheres: K",
+          "wall-far": "sphere towards a wall, gap a: force/(6 pi eta a U)",
+          "wall-near": "sphere towards a wall, gap 0.4 a: force/(6 pi eta a U)",
+          "shear-1": "capsule in shear, C = 1: D/Ca",
           "shear-2": "capsule in shear, C = 2: D/Ca", "lift": "held sphere: lift coefficient"}
 
 

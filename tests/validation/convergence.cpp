@@ -1,8 +1,9 @@
-// What doc/convergence.md needs besides channel runs, as CSV: a rigid sphere in a cubic array, the
-// lift on one held in a channel, and a capsule in weak shear, on lattices of several spacings; with
-// markers on the surface and a lattice at rest ("plain"), and with what makes up for both.
+// What doc/convergence.md needs besides channel runs, as CSV: a rigid sphere in a cubic array and
+// one that is driven towards a wall, the lift on one held in a channel, and a capsule in weak
+// shear, on lattices of several spacings; with markers on the surface and a lattice at rest
+// ("plain"), and with what makes up for both.
 //
-//   convergence_cases array|lift|shear ...
+//   convergence_cases array|wall|lift|shear ...
 #include <petscsys.h>
 
 #include <cmath>
@@ -10,12 +11,14 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "ductile/coupling/coupler.hpp"
 #include "ductile/suspension/felt_surface.hpp"
 #include "ductile/suspension/suspension.hpp"
 #include "validation/sphere_array.hpp"
+#include "validation/wall.hpp"
 
 namespace {
 
@@ -42,6 +45,19 @@ void array() {
     const double inwards = suspension::felt_retraction(surface::Sphere(a), fluid);
     row("array", "plain", 1, a, test::drag_coefficient(L, a, K, 0), K);
     row("array", "corrected", 1, a, test::drag_coefficient(L, a, K, inwards), K);
+  }
+}
+
+// Of a sphere driven towards a wall, at gaps of a and 0.4 a; 12 radii to the next sphere and wall.
+void wall() {
+  constexpr double size = 12;
+  for (const double a : {4.0, 4.8, 6.0, 7.2}) {
+    const double felt = suspension::felt_retraction(surface::Sphere(a), fluid::Options{});
+    for (const auto& [name, gap, law] : {std::tuple{"wall-far", 1.0, test::wall_law_far},
+                                         {"wall-near", 0.4, test::wall_law_near}}) {
+      row(name, "plain", 1, a, test::wall_resistance(a, gap * a, 0, size), law);
+      row(name, "corrected", 1, a, test::wall_resistance(a, gap * a, felt, size), law);
+    }
   }
 }
 
@@ -219,15 +235,16 @@ int main(int argc, char** argv) {
   bool known = argc > 1;
   for (int n = 1; n < argc; ++n) {
     const std::string_view name = argv[n];
-    known = known && (name == "array" || name == "lift" || name == "shear");
+    known = known && (name == "array" || name == "wall" || name == "lift" || name == "shear");
   }
   if (!known) {
-    std::fprintf(stderr, "usage: convergence_cases array|lift|shear ...\n");
+    std::fprintf(stderr, "usage: convergence_cases array|wall|lift|shear ...\n");
     return PetscFinalize() != 0 ? 1 : 2;
   }
   for (int n = 1; n < argc; ++n) {
     const std::string_view name = argv[n];
     if (name == "array") array();
+    if (name == "wall") wall();
     if (name == "lift") lift();
     if (name == "shear") shear();
   }

@@ -10,6 +10,7 @@
 #include "ductile/fluid/duct.hpp"
 #include "validation/spin_down.hpp"
 #include "validation/support.hpp"
+#include "validation/wall.hpp"
 
 namespace {
 
@@ -53,34 +54,12 @@ TEST(FreeSphere, OfTheSizeOfThePapersMovesOnTheAxisAsExpected) {
   EXPECT_NEAR(axial_velocity(0.4), 0.9095 + 0.005, 0.015 * 0.9145);
 }
 
-// Force on a sphere driven towards a plane wall, over 6 pi eta a U, as its gap passes through
-// `gap`; walls are at both ends of z, 20 a apart.
-double wall_resistance(double radius, double gap) {
-  const int L = static_cast<int>(20 * radius);
-  fluid::Options options = test::box(L, L, L, 1.0);
-  options.boundary[2] = fluid::Boundary::halfway;
-  fluid::Fluid fluid(MPI_COMM_SELF, options);
-  constexpr double speed = 2e-4;
-  constexpr int steps = 3000;
-  rigid::Options towards;
-  towards.motion = rigid::Motion::prescribed;
-  const double height = radius + gap + speed * steps;
-  rigid::Body body =
-      test::sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5}, test::retraction_small);
-  body.prescribe({0, 0, -speed}, Eigen::Vector3d::Zero());
-  suspension::RigidMarkers markers(body);
-  coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
-  for (int n = 0; n < steps; ++n) coupler.step();
-  return body.hydrodynamic_force().z() / (6 * pi * fluid.viscosity() * radius * speed);
-}
-
-// Brenner 1961, re-summed: 3.73562 at a gap of 0.4 a, 2.125536 at a gap of a.
 TEST(SphereTowardsAWall, IsResistedAsBrennersSeriesSays) {
-  const double far = wall_resistance(5, 5);
-  const double near = wall_resistance(5, 2);
+  const double far = test::wall_resistance(5, 5, test::retraction_small, 20);
+  const double near = test::wall_resistance(5, 2, test::retraction_small, 20);
   std::printf("gap a: %.3f (2.126), gap 0.4 a: %.3f (3.736)\n", far, near);
-  EXPECT_NEAR(far, 2.125536, 0.1 * 2.125536);
-  EXPECT_NEAR(near, 3.73562, 0.1 * 3.73562);
+  EXPECT_NEAR(far, test::wall_law_far, 0.1 * test::wall_law_far);
+  EXPECT_NEAR(near, test::wall_law_near, 0.1 * test::wall_law_near);
 }
 
 // A sphere that is left to itself while it spins: a shell full of fluid, or a solid.
