@@ -2,7 +2,7 @@
 //
 // An HDF5 file with a user block of 512 bytes, which is text:
 //     ductile checkpoint
-//     format 2
+//     format 3
 //     size 1234567
 //     xxh3 0123456789abcdef
 // the size of the file and the checksum of what follows the block; then zeros. Every data set has

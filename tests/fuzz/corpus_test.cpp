@@ -150,12 +150,13 @@ TEST_F(CheckpointFile, IsRefusedIfAnyBitIsAnother) {
 TEST_F(CheckpointFile, SaysWhatIsWrongWithIt) {
   write(1);
   const std::string good = contents(file_);
+  const std::string own = "format " + std::to_string(checkpoint_format);
+  const std::string next = "format " + std::to_string(checkpoint_format + 1);
   std::string other = good;
-  other.replace(other.find("format 2"), 8, "format 3");
+  other.replace(other.find(own), own.size(), next);
   put(other);
-  EXPECT_EQ(refusal(), file_.string() +
-                           " is of format 3, and this program knows format 2: go on with the "
-                           "version of ductile that wrote it");
+  EXPECT_EQ(refusal(), file_.string() + " is of " + next + ", and this program knows " + own +
+                           ": go on with the version of ductile that wrote it");
   put("x,y\n1,2\n");
   EXPECT_EQ(refusal(), file_.string() + " is no checkpoint of ductile");
   put(good.substr(0, good.size() - 100));
