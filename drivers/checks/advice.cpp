@@ -40,9 +40,7 @@ constexpr double lead_of_waves(double tau, double magic) {
 void warn_of_collision(const Plan& plan, std::vector<std::string>& list) {
   const double tau = plan.fluid.tau;
   const double magic = plan.fluid.magic;
-  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty() ||
-      plan.fluid.lattice_velocity != 0)
-    return;
+  if (plan.fluid.collision == fluid::Collision::bgk || plan.bodies.empty() || plan.follow) return;
   const auto radius_of = [](const suspension::BodyPlan& body) { return body.shape->radius(); };
   const auto smallest = std::ranges::min_element(plan.bodies, {}, radius_of);
   const double radius = radius_of(*smallest);
@@ -66,12 +64,15 @@ void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
                     "more nodes or a lower tau reduce it",
                     plan.mach()));
   }
-  if (plan.fluid.equilibrium == fluid::Equilibrium::incompressible && !plan.follow &&
-      !plan.bodies.empty() && plan.u_max != 0) {
-    list.emplace_back(
-        "on a lattice at rest an incompressible equilibrium shifts bodies across the channel, more "
-        "than a compressible one does: take fluid.frame = \"bodies\" or fluid.equilibrium = "
-        "\"compressible\"");
+  const auto [low, high] = plan.wall_velocity();
+  const bool carried = plan.u_max != 0 && low == 0 && high == 0 && plan.gravity.isZero(0);
+  if (plan.fluid.equilibrium == fluid::Equilibrium::incompressible && !plan.bodies.empty() &&
+      !(carried && plan.follow)) {
+    list.push_back(fmt::format(
+        "an incompressible equilibrium shifts bodies that move on the lattice, more than a "
+        "compressible one does, as {}: take {}fluid.equilibrium = \"compressible\"",
+        plan.follow ? "where gravity or walls move them" : "on a lattice at rest",
+        carried ? "fluid.frame = \"bodies\" or " : ""));
   }
   for (const Gap& gap : gaps(plan)) {
     if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off) {

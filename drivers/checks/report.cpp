@@ -71,7 +71,9 @@ void add_channel(Lines& lines, const Case& given) {
                                 channel.reynolds, plan.u_max, plan.fluid.force.z(), plan.mach()));
   if (plan.follow && !plan.bodies.empty()) {
     lines.add("", fmt::format("the lattice goes along with the bodies, at first with {:.4g} nu/W",
-                              plan.units.velocity(plan.fluid.lattice_velocity)));
+                              std::abs(plan.fluid.lattice_velocity) < 1e-12
+                                  ? 0.0
+                                  : plan.units.velocity(plan.fluid.lattice_velocity)));
   }
   if (const auto& [low, high] = channel.wall_velocity; low != 0 || high != 0) {
     lines.add("", fmt::format("walls at x = -1 and 1 move at {} and {} nu/W, shear rate {:.6g} "

@@ -281,10 +281,11 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
           {{"compressible", fluid::Equilibrium::compressible},
            {"incompressible", fluid::Equilibrium::incompressible}},
           "Whether the density weighs in the momentum, eq. (3), or stands for the pressure alone, "
-          "which is the more accurate where the lattice goes along with the bodies, and worse "
-          "where "
-          "it rests",
-          "incompressible, with frame = \"walls\" compressible"),
+          "which is the more accurate where bodies all go with the lattice, and worse, if not "
+          "unstable, where they move on it",
+          "incompressible where the driven flow alone carries the bodies and the lattice goes "
+          "along; "
+          "compressible with frame = \"walls\", gravity, walls that move or reynolds = 0"),
       choice<F, LatticeFrame>(
           "frame", &F::frame, {{"walls", LatticeFrame::walls}, {"bodies", LatticeFrame::bodies}},
           "What the lattice moves with along z: the walls, or the bodies, with the mean of their "

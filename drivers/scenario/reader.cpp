@@ -30,7 +30,7 @@ class Reader {
     read_keys(document_.root(), "", root_keys(), s);
     if (s.name.empty()) s.name = name_from(document_.file());
     read_table("channel", channel_keys(), s.channel);
-    read_fluid(s.fluid);
+    read_fluid(s.channel, s.fluid);
     s.membrane.volume_modulus = default_volume_modulus(s.channel, s.fluid);
     read_table("membrane", membrane_keys(), s.membrane);
     read_table("rigid", rigid_keys(), s.rigid);
@@ -102,13 +102,17 @@ class Reader {
     read_keys(*table, name + ".", keys, out);
   }
 
-  void read_fluid(FluidOptions& fluid) const {
+  void read_fluid(const ChannelOptions& channel, FluidOptions& fluid) const {
     read_table("fluid", fluid_keys(), fluid);
     const auto* table = document_.root()["fluid"].as_table();
     const auto told = [table](const char* key) -> const toml::node* {
       return table == nullptr ? nullptr : table->get(key);
     };
-    if (told("equilibrium") == nullptr && fluid.frame == LatticeFrame::walls)
+    // What moves on the lattice is what an incompressible fluid has wrong.
+    const bool all_go_along = fluid.frame == LatticeFrame::bodies && channel.reynolds > 0 &&
+                              channel.wall_velocity == ChannelOptions{}.wall_velocity &&
+                              channel.gravity == ChannelOptions{}.gravity;
+    if (told("equilibrium") == nullptr && !all_go_along)
       fluid.equilibrium = fluid::Equilibrium::compressible;
     const toml::node* arithmetic = told("arithmetic");
     if (arithmetic == nullptr) {

@@ -42,7 +42,7 @@ struct FluidOptions {
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
   fluid::Equilibrium equilibrium =
-      fluid::Equilibrium::incompressible;  ///< unless told, the frame's
+      fluid::Equilibrium::incompressible;  ///< unless told, see the key
   LatticeFrame frame = LatticeFrame::bodies;
   fluid::Precision storage = fluid::Precision::single_precision;     ///< doc/precision.md
   fluid::Precision arithmetic = fluid::Precision::single_precision;  ///< unless told, the storage's

@@ -143,16 +143,25 @@ TEST(Check, WarnsWhereTwoRelaxationTimesAreNotGalileanInvariant) {
   EXPECT_TRUE(warnings(parse_case("[fluid]\ntau = 0.6\n" + trt, "case.toml")).empty());
 }
 
-TEST(Check, WarnsOfAnIncompressibleFluidOnALatticeAtRest) {
-  const auto warned = [](const std::string& fluid, const std::string& bodies) {
-    return warnings(parse_case("[fluid]\n" + fluid + bodies, "case.toml"));
+TEST(Check, WarnsOfAnIncompressibleFluidWhereBodiesMoveOnTheLattice) {
+  const auto warned = [](const std::string& text, const std::string& bodies) {
+    return warnings(parse_case(text + bodies, "case.toml"));
   };
-  const std::string at_rest = "frame = 'walls'\n";
-  const std::string incompressible = "equilibrium = 'incompressible'\n";
+  const std::string incompressible = "fluid.equilibrium = 'incompressible'\n";
+  const std::string at_rest = "fluid.frame = 'walls'\n";
   const std::string rigid = "[[body]]\nkind = 'rigid'\n";
   EXPECT_TRUE(any_contains(warned(at_rest + incompressible, rigid),
-                           "take fluid.frame = \"bodies\" or fluid.equilibrium = "
-                           "\"compressible\""));
+                           "on a lattice at rest: take fluid.frame = \"bodies\" or "
+                           "fluid.equilibrium = \"compressible\""));
+  for (const char* moved : {"channel.gravity = [0.0, 0.0, -1.0]\n",
+                            "channel.side_walls = false\nchannel.wall_velocity = [-1.0, 1.0]\n",
+                            "channel.reynolds = 0.0\n"}) {
+    EXPECT_TRUE(any_contains(warned(moved + incompressible, rigid),
+                             "where gravity or walls move them: take fluid.equilibrium = "
+                             "\"compressible\""))
+        << moved;
+    EXPECT_FALSE(any_contains(warned(moved, rigid), "incompressible")) << moved;
+  }
   EXPECT_TRUE(warned(at_rest, rigid).empty());
   EXPECT_TRUE(warned(incompressible, rigid).empty());
   EXPECT_TRUE(warned(at_rest + incompressible, "").empty());

@@ -147,17 +147,22 @@ TEST(Scenario, ArithmeticFollowsStorageUnlessItIsGiven) {
   EXPECT_EQ(arithmetic("fluid.arithmetic = \"double\"\n"), fluid::Precision::double_precision);
 }
 
-TEST(Scenario, EquilibriumGoesWithTheFrameUnlessItIsGiven) {
+TEST(Scenario, FluidIsIncompressibleWhereAllBodiesGoAlongUnlessItIsGiven) {
   using fluid::Equilibrium;
   const auto equilibrium = [](const std::string& text) {
     return read(text, "c").fluid.equilibrium;
   };
   EXPECT_EQ(equilibrium(""), Equilibrium::incompressible);
   EXPECT_EQ(equilibrium("fluid.frame = \"bodies\"\n"), Equilibrium::incompressible);
-  EXPECT_EQ(equilibrium("fluid.frame = \"walls\"\n"), Equilibrium::compressible);
   EXPECT_EQ(equilibrium("fluid.equilibrium = \"compressible\"\n"), Equilibrium::compressible);
-  EXPECT_EQ(equilibrium("fluid.equilibrium = \"incompressible\"\nfluid.frame = \"walls\"\n"),
-            Equilibrium::incompressible);
+  for (const char* other : {"fluid.frame = \"walls\"\n", "channel.reynolds = 0.0\n",
+                            "channel.gravity = [0.0, 0.0, -1.0]\n",
+                            "channel.side_walls = false\nchannel.wall_velocity = [-1.0, 1.0]\n"}) {
+    EXPECT_EQ(equilibrium(other), Equilibrium::compressible) << other;
+    EXPECT_EQ(equilibrium(std::string("fluid.equilibrium = \"incompressible\"\n") + other),
+              Equilibrium::incompressible)
+        << other;
+  }
 }
 
 // What is felt can be said to be, of all bodies and of one.

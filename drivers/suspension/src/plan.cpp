@@ -38,11 +38,12 @@ void Plan::drive(double reynolds) {
 }
 
 void Plan::ride(double velocity) {
-  const double less = velocity - fluid.lattice_velocity;
+  // By way of the velocity at rest, which then comes back to the last bit.
+  const auto ride = [&](double& wall) { wall = wall + fluid.lattice_velocity - velocity; };
   for (std::size_t side = 0; side < 2; ++side) {
-    fluid.wall_velocity[0][side].z() -= less;
+    ride(fluid.wall_velocity[0][side].z());
     if (side_walls() && (side == 1 || fluid.mirror == fluid::Mirror::none))
-      fluid.wall_velocity[1][side].z() -= less;
+      ride(fluid.wall_velocity[1][side].z());
   }
   fluid.lattice_velocity = velocity;
 }

@@ -109,7 +109,7 @@ _METHODS = {
               "start beside the plane y = 0, in the whole channel. Walls and the volume's modulus are the paper's on its own lattice alone."),
 }
 _SETTINGS = ("channel.nodes", "channel.walls", "channel.length", "fluid.tau", "fluid.frame",
-             "membrane.mobility", "membrane.edge", "membrane.retraction",
+             "fluid.equilibrium", "membrane.mobility", "membrane.edge", "membrane.retraction",
              "membrane.volume_modulus", "channel.symmetry", "fluid.storage", "fluid.arithmetic")
 
 
