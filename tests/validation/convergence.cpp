@@ -191,10 +191,7 @@ double deformation(double a, double C, bool corrected) {
   plan.fluid.wall_velocity[0] = {-u, u};
   plan.units = Plan::channel_units(plan.fluid);
   plan.drive(0);
-  if (corrected) {
-    plan.fluid.equilibrium = fluid::Equilibrium::incompressible;
-    plan.follow = true;
-  }
+  plan.follow = corrected;
   suspension::BodyPlan body;
   body.name = "capsule";
   body.shape = surface::make_shape("sphere", a);
