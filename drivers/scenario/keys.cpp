@@ -283,9 +283,8 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
           "Whether the density weighs in the momentum, eq. (3), or stands for the pressure alone, "
           "which is the more accurate where bodies all go with the lattice, and worse, if not "
           "unstable, where they move on it",
-          "incompressible where the driven flow alone carries the bodies and the lattice goes "
-          "along; "
-          "compressible with frame = \"walls\", gravity, walls that move or reynolds = 0"),
+          "incompressible; with frame = \"walls\", gravity, walls that move or reynolds = 0 "
+          "compressible"),
       choice<F, LatticeFrame>(
           "frame", &F::frame, {{"walls", LatticeFrame::walls}, {"bodies", LatticeFrame::bodies}},
           "What the lattice moves with along z: the walls, or the bodies, with the mean of their "

@@ -41,8 +41,8 @@ struct FluidOptions {
   double tau = 1;
   fluid::Collision collision = fluid::Collision::bgk;
   double magic = 3.0 / 16.0;
-  fluid::Equilibrium equilibrium =
-      fluid::Equilibrium::incompressible;  ///< unless told, see the key
+  /// Unless told, compressible where bodies move on the lattice (keys.cpp).
+  fluid::Equilibrium equilibrium = fluid::Equilibrium::incompressible;
   LatticeFrame frame = LatticeFrame::bodies;
   fluid::Precision storage = fluid::Precision::single_precision;     ///< doc/precision.md
   fluid::Precision arithmetic = fluid::Precision::single_precision;  ///< unless told, the storage's
