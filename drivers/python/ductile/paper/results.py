@@ -98,15 +98,18 @@ def read(directory):
 
 _METHODS = {
     "clean": ("Clean", "This program's own method: surfaces are felt by the fluid where they are, "
-                       "on a lattice that goes along with the bodies; the membranes have a small "
-                       "mobility, by which strain relaxes that the lattice cannot see, and edges "
-                       "of about a lattice spacing."),
+                       "on a lattice that goes along with the bodies, and the density is the "
+                       "pressure alone; the membranes have a small mobility, by which strain "
+                       "relaxes that the lattice cannot see, and edges of about a lattice "
+                       "spacing."),
     "paper": ("The paper's",
               "As in the paper markers lie on the surfaces, which are felt some tenths of a "
-              "lattice spacing outside of them, and the lattice is at rest; the membranes have no "
-              "mobility, and edges shorter than a lattice spacing (those of the paper: 0.68), so "
+              "lattice spacing outside of them, the lattice is at rest, and the density weighs in "
+              "the momentum, eq. (3); the membranes have no mobility, and edges shorter than a "
+              "lattice spacing (those of the paper: 0.68), so "
               "that strain that the kernel filters out can pile up. The soft biconcave cells "
-              "start beside the plane y = 0, in the whole channel. Walls and the volume's modulus are the paper's on its own lattice alone."),
+              "start beside the plane y = 0, in the whole channel. Walls and the volume's modulus "
+              "are the paper's on its own lattice alone."),
 }
 _SETTINGS = ("channel.nodes", "channel.walls", "channel.length", "fluid.tau", "fluid.frame",
              "fluid.equilibrium", "membrane.mobility", "membrane.edge", "membrane.retraction",
@@ -255,8 +258,8 @@ def _explanation(paper, ours, finer, changes):
             words.append("No finer lattice has been computed.")
     decided = [run for run in ours.values() if run and run["outcome"] != "undecided"]
     if len(decided) == 2 and decided[0]["outcome"] != decided[1]["outcome"]:
-        words.append("The two methods, which differ in mobility, edges, frame and where surfaces "
-                     "are felt together, come to different ends.")
+        words.append("The two methods, which differ in mobility, edges, the fluid and where "
+                     "surfaces are felt, come to different ends.")
     elif len(decided) == 2 and decided[0]["outcome"] == "differs":
         words.append("Both methods differ from the paper here.")
     if changes:
