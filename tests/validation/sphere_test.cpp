@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <tuple>
 #include <vector>
 
@@ -15,7 +14,6 @@
 namespace {
 
 using namespace ductile;
-using std::numbers::pi;
 
 // Velocity of a free sphere on the axis of a square duct, relative to the empty duct's maximum.
 double axial_velocity(double radius_over_w) {
