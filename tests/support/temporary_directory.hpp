@@ -14,8 +14,9 @@ class TemporaryDirectory {
  public:
   /// Throws std::system_error.
   TemporaryDirectory() {
-    // mkdtemp() puts letters in the place of these.
-    std::string name = (std::filesystem::temp_directory_path() / "ductile-XXXXXX").string();
+    // mkdtemp() wants six of these at the end, and puts letters in their place.
+    std::string name =
+        (std::filesystem::temp_directory_path() / ("ductile-" + std::string(6, 'X'))).string();
     if (mkdtemp(name.data()) == nullptr)
       throw std::system_error(errno, std::generic_category(), name);
     path_ = name;
