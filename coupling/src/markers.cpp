@@ -5,16 +5,8 @@
 #include <utility>
 
 namespace ductile::coupling {
-namespace {
 
 using fluid::mpi_check;
-
-// The four planes that a marker reaches are added in their order.
-double sum(const double* partial) {
-  return ((partial[0] + partial[1]) + partial[2]) + partial[3];
-}
-
-}  // namespace
 
 void Markers::lay_routes(std::span<const Entry> entries) {
   routes_.clear();
@@ -41,7 +33,7 @@ Markers::Guest& Markers::guest_of(const Route& route) {
 
 void Markers::send_positions() {
   for (Route& route : routes_) {
-    fluid_.reached(route.rank, hosts_[route.host].position, route.markers, route.whole);
+    fluid_.reached(route.rank, hosts_[route.host].position, route.markers, route.split);
   }
   watch_.lap(Part::locating);
   to_guests(Round::everybody(), true);
@@ -107,8 +99,11 @@ void Markers::spread(Round round) {
 void Markers::interpolate(Round round) {
   for (Guest& guest : guests_) {
     if (!round.includes(guest.corrections)) continue;
-    guest.partial.resize(12 * guest.points.size());
-    guest.points.velocities(guest.partial);
+    const std::size_t whole = 3 * guest.points.size();
+    const std::size_t parts = 12 * guest.points.split();
+    guest.answer.resize(whole + parts);
+    guest.points.velocities(std::span(guest.answer).first(whole),
+                            std::span(guest.answer).last(parts));
   }
   watch_.lap(Part::interpolation);
   to_hosts(round);
@@ -116,68 +111,67 @@ void Markers::interpolate(Round round) {
   watch_.lap(Part::exchange);
 }
 
-// Guests answer with the velocity of each marker: its sum over the four planes where they hold them
-// all, else the four terms, which the owner sums in the same order.
+// Guests answer with the velocity of each marker, where they hold all four planes that it reaches,
+// and of the others with the four terms, which the owner adds up in the same order.
 void Markers::to_hosts(Round round) {
   std::vector<MPI_Request> requests;
   for (Route& route : routes_) {
     const Host& host = hosts_[route.host];
     if (!round.includes(host.corrections) || stays(route)) continue;
-    route.buffer.resize(12 * route.markers.size());
+    route.buffer.resize(3 * route.markers.size() + 12 * route.split.size());
     mpi_check(MPI_Irecv(route.buffer.data(), static_cast<int>(route.buffer.size()), MPI_DOUBLE,
                         route.rank, host.id, comm_.get(), &requests.emplace_back()),
               "MPI_Irecv");
   }
-  for (Guest& guest : guests_) {
-    if (!round.includes(guest.corrections)) continue;
-    if (guest.answer.size() < guest.partial.size()) guest.answer.resize(guest.partial.size());
-    double* end = guest.answer.data();
-    for (std::size_t m = 0; m < guest.points.size(); ++m) {
-      const double* partial = &guest.partial[12 * m];
-      if (guest.points.whole(m)) {
-        for (std::size_t axis = 0; axis < 3; ++axis) *end++ = sum(partial + 4 * axis);
-      } else {
-        end = std::copy_n(partial, 12, end);
-      }
-    }
-    if (guest.owner == comm_.rank()) continue;
-    const auto count = static_cast<std::size_t>(end - guest.answer.data());
-    mpi_check(MPI_Isend(guest.answer.data(), static_cast<int>(count), MPI_DOUBLE, guest.owner,
-                        guest.id, comm_.get(), &requests.emplace_back()),
+  for (const Guest& guest : guests_) {
+    if (!round.includes(guest.corrections) || guest.owner == comm_.rank()) continue;
+    mpi_check(MPI_Isend(guest.answer.data(), static_cast<int>(guest.answer.size()), MPI_DOUBLE,
+                        guest.owner, guest.id, comm_.get(), &requests.emplace_back()),
               "MPI_Isend");
-    watch_.profile.bytes_sent += static_cast<std::int64_t>(count * sizeof(double));
+    watch_.profile.bytes_sent += static_cast<std::int64_t>(guest.answer.size() * sizeof(double));
   }
   mpi_check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
             "MPI_Waitall");
 }
 
 void Markers::take_answers(Round round) {
-  // Calls f(host, marker, whole, answer) for all answers.
+  // Calls f(host, route, answer) for all answers.
   const auto for_answers = [&](auto&& f) {
     for (const Route& route : routes_) {
       Host& host = hosts_[route.host];
       if (!round.includes(host.corrections)) continue;
-      const double* answer = stays(route) ? guest_of(route).answer.data() : route.buffer.data();
-      for (std::size_t n = 0; n < route.markers.size(); ++n) {
-        const bool whole = route.whole[n] != 0;
-        f(host, static_cast<std::size_t>(route.markers[n]), whole, answer);
-        answer += whole ? 3 : 12;
-      }
+      f(host, route, stays(route) ? guest_of(route).answer.data() : route.buffer.data());
     }
   };
-  for_answers([](Host& host, std::size_t m, bool whole, const double* answer) {
-    if (whole) {
-      std::copy_n(answer, 3, &host.velocity[3 * m]);
-    } else {
-      std::fill_n(&host.partial[12 * m], 12, 0.0);
+  // Calls f(marker, parts) for the answer's markers that are split.
+  const auto for_split = [](const Route& route, const double* answer, auto&& f) {
+    const double* parts = answer + 3 * route.markers.size();
+    for (const std::size_t n : route.split) {
+      f(static_cast<std::size_t>(route.markers[n]), parts);
+      parts += 12;
+    }
+  };
+  for_answers([&](Host& host, const Route& route, const double* answer) {
+    for (const int m : route.markers) {
+      std::copy_n(answer, 3, &host.velocity[3 * static_cast<std::size_t>(m)]);
+      answer += 3;
     }
   });
-  for_answers([](Host& host, std::size_t m, bool whole, const double* answer) {
-    for (std::size_t n = 0; !whole && n < 12; ++n) host.partial[12 * m + n] += answer[n];
+  for_answers([&](Host& host, const Route& route, const double* answer) {
+    for_split(route, answer, [&](std::size_t m, const double* /*parts*/) {
+      std::fill_n(&host.partial[12 * m], 12, 0.0);
+    });
   });
-  for_answers([](Host& host, std::size_t m, bool whole, const double* /*answer*/) {
-    for (std::size_t axis = 0; !whole && axis < 3; ++axis)
-      host.velocity[3 * m + axis] = sum(&host.partial[12 * m + 4 * axis]);
+  for_answers([&](Host& host, const Route& route, const double* answer) {
+    for_split(route, answer, [&](std::size_t m, const double* parts) {
+      for (std::size_t n = 0; n < 12; ++n) host.partial[12 * m + n] += parts[n];
+    });
+  });
+  for_answers([&](Host& host, const Route& route, const double* answer) {
+    for_split(route, answer, [&](std::size_t m, const double* /*parts*/) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        host.velocity[3 * m + axis] = fluid::sum_of_planes(&host.partial[12 * m + 4 * axis]);
+    });
   });
 }
 

@@ -83,7 +83,7 @@ class Markers {
     std::size_t host;
     int rank;
     std::vector<int> markers;
-    std::vector<char> whole;  // whether that rank holds all nodes that the marker reaches
+    std::vector<std::size_t> split;  // of them, those of which that rank does not hold all nodes
     std::vector<double> buffer;
   };
   // The same markers on the rank that they reach.
@@ -99,9 +99,8 @@ class Markers {
     int markers;  // of the whole body
     int corrections;
     fluid::Points points;
-    std::vector<double> data;  // positions, where they are sent, and forces after them
-    std::vector<double> partial;
-    std::vector<double> answer;
+    std::vector<double> data;    // positions, where they are sent, and forces after them
+    std::vector<double> answer;  // velocities, and after them the parts of those that are split
   };
 
   [[nodiscard]] bool stays(const Route& route) const { return route.rank == comm_.rank(); }

@@ -194,13 +194,14 @@ StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed
   double box_rows = 0;
   double box_nodes = 0;
   int most = 0;
+  const std::vector<int> owner = suspension::owners(plan, ranks);
   std::vector<double> work(static_cast<std::size_t>(ranks));
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const BoxSize box = box_around(plan.bodies[b]);
     box_rows += box.rows;
     box_nodes += box.rows * box.length;
     most = std::max(most, rounds(plan.bodies[b]));
-    work[b % work.size()] += marker_time(plan.bodies[b], speed.bodies);
+    work[static_cast<std::size_t>(owner[b])] += marker_time(plan.bodies[b], speed.bodies);
   }
   const BodyCosts& costs = speed.bodies;
   const double node = costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0);

@@ -71,8 +71,8 @@ struct StepTime {
   [[nodiscard]] double total() const { return fluid + boxes + bodies; }
 };
 
-/// Of a plan on so many ranks. Fluid and boxes are shared; a body is worked on by one rank, body b
-/// by rank b modulo their number.
+/// Of a plan on so many ranks. Fluid and boxes are shared; a body is worked on by one rank, as
+/// suspension::owners() has it.
 StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed& speed);
 
 }  // namespace ductile::drivers

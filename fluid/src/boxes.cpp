@@ -108,15 +108,15 @@ bool FluidImpl::touches(int rank, const Box& box) const {
 }
 
 void FluidImpl::reached(int rank, std::span<const double> positions, std::vector<int>& points,
-                        std::vector<char>& whole) const {
+                        std::vector<std::size_t>& split) const {
   const Range planes = slab(rank);
   points.clear();
-  whole.clear();
+  split.clear();
   for (std::size_t m = 0; m < positions.size() / 3; ++m) {
     const int first = first_node(positions[3 * m + 2]);
     if (!fluid::touches(first, 4, planes, period())) continue;
+    if (!within(first, 4, planes, period())) split.push_back(points.size());
     points.push_back(static_cast<int>(m));
-    whole.push_back(within(first, 4, planes, period()) ? 1 : 0);
   }
 }
 

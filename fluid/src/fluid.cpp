@@ -231,8 +231,8 @@ bool Fluid::touches(int rank, const Box& box) const {
   return impl_->touches(rank, box);
 }
 void Fluid::reached(int rank, std::span<const double> positions, std::vector<int>& points,
-                    std::vector<char>& whole) const {
-  impl_->reached(rank, positions, points, whole);
+                    std::vector<std::size_t>& split) const {
+  impl_->reached(rank, positions, points, split);
 }
 void Fluid::read_velocity() {
   impl_->read_velocity();

@@ -57,7 +57,7 @@ class FluidImpl {
   void place_boxes(std::span<const Box> boxes);
   [[nodiscard]] bool touches(int rank, const Box& box) const;
   void reached(int rank, std::span<const double> positions, std::vector<int>& points,
-               std::vector<char>& whole) const;
+               std::vector<std::size_t>& split) const;
   void update_velocity();
   Totals totals();
   double flow();

@@ -11,10 +11,6 @@ bool overlap(const Range& a, const Range& b) {
 Range join(const Range& a, const Range& b) {
   return {std::min(a.begin, b.begin), std::max(a.end, b.end)};
 }
-int modulo(int n, int period) {
-  const int r = n % period;
-  return r < 0 ? r + period : r;
-}
 
 // Joins b to a if they overlap in any periodic image.
 bool try_join(Box& a, const Box& b, int period) {
@@ -33,9 +29,15 @@ bool try_join(Box& a, const Box& b, int period) {
 
 }  // namespace
 
+int first_image(int plane, int period) {
+  if (period == 0 || (plane >= 0 && plane < period)) return plane;
+  const int r = plane % period;
+  return r < 0 ? r + period : r;
+}
+
 Box wrapped(Box box, int period) {
   if (period > 0) {
-    const int begin = modulo(box[2].begin, period);
+    const int begin = first_image(box[2].begin, period);
     box[2] = {begin, begin + box[2].size()};
   }
   return box;
@@ -67,14 +69,14 @@ bool contains(const Box& outer, const Box& inner, int period) {
 
 bool touches(int first, int count, Range slab, int period) {
   if (period == 0) return overlap({first, first + count}, slab);
-  return modulo(first - slab.begin, period) < slab.size() ||
-         modulo(slab.begin - first, period) < count;
+  return first_image(first - slab.begin, period) < slab.size() ||
+         first_image(slab.begin - first, period) < count;
 }
 
 bool within(int first, int count, Range slab, int period) {
   if (period == 0) return first >= slab.begin && first + count <= slab.end;
   if (slab.size() == period) return true;
-  return modulo(first - slab.begin, period) + count <= slab.size();
+  return first_image(first - slab.begin, period) + count <= slab.size();
 }
 
 }  // namespace ductile::fluid

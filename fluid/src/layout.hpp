@@ -8,6 +8,9 @@
 
 namespace ductile::fluid {
 
+/// The image of a plane in [0, period); unchanged without a period.
+int first_image(int plane, int period);
+
 /// The first plane of `box` brought into [0, period); unchanged without a period.
 Box wrapped(Box box, int period);
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "ductile/fluid/fluid.hpp"
+
 namespace ductile::fluid {
 
 /// The part of a box that lies on this rank: where a force acts that varies from node to node, and
@@ -27,6 +29,8 @@ struct Patch {
   std::vector<double> density;                  ///< as of read_velocity(); 1 if it weighs nothing
   std::array<std::vector<double>, 3> momentum;  ///< as of read_velocity()
 
+  /// Its own, in [0, nz).
+  [[nodiscard]] Range planes() const { return {begin[2], begin[2] + size[2]}; }
   /// Index of node (i, j, k), counted from `begin`; k may lie in the padding.
   [[nodiscard]] std::ptrdiff_t at(int i, int j, int k) const {
     return (static_cast<std::ptrdiff_t>(i) * size[1] + j) * pitch + pad + k;

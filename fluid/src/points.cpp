@@ -40,47 +40,66 @@ class Points::Impl {
         kernel_(stencil_kernel(*fluid.options_.instruction_set)) {}
 
   void locate(std::span<const double> positions) {
-    stencils_.resize(positions.size() / 3);
-    for (std::size_t m = 0; m < stencils_.size(); ++m) {
-      Stencil& stencil = stencils_[m];
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Weights w = weights(positions[3 * m + axis]);
-        stencil.base[axis] = w.base;
-        std::copy(w.phi.begin(), w.phi.end(), stencil.phi[axis]);
-      }
-      assert(
-          contains(fluid_.boxes_[static_cast<std::size_t>(box_)], nodes(stencil), fluid_.period()));
+    count_ = positions.size() / 3;
+    x_.assign(positions.begin(), positions.end());
+    part_.clear();
+    part_x_.clear();
+    split_ = 0;
+    for (std::size_t m = 0; m < count_; ++m) {
+      assert(contains(fluid_.boxes_[static_cast<std::size_t>(box_)], nodes(m), fluid_.period()));
+      if (in_one_patch(m)) continue;
+      part_.push_back(m);
+      part_x_.insert(part_x_.end(), &x_[3 * m], &x_[3 * m] + 3);
+      if (!whole(m)) ++split_;
     }
   }
-  [[nodiscard]] std::size_t size() const { return stencils_.size(); }
+  [[nodiscard]] std::size_t size() const { return count_; }
   [[nodiscard]] bool whole(std::size_t m) const {
-    return within(stencils_[m].base[2], 4, fluid_.slab_, fluid_.period());
+    return within(first_node(x_[3 * m + 2]), 4, fluid_.slab_, fluid_.period());
   }
+  [[nodiscard]] std::size_t split() const { return split_; }
   void add_force(const double* force) {
     for (Patch& patch : fluid_.patches_) {
       if (patch.box != box_) continue;
       auto& f = patch.force;
-      kernel_.spread(stencils_.data(), stencils_.size(), force,
+      kernel_.spread(x_.data(), count_, force,
                      field_of<double>(patch, {f[0].data(), f[1].data(), f[2].data()}),
                      fluid_.period());
     }
   }
-  void velocities(double* partial) const {
-    std::fill_n(partial, 12 * stencils_.size(), 0.0);
+  void velocities(double* velocity, double* partial) const {
+    part_sums_.assign(12 * part_.size(), 0.0);
     for (const Patch& patch : fluid_.patches_) {
       if (patch.box != box_) continue;
       const auto& u = patch.velocity;
-      kernel_.interpolate(stencils_.data(), stencils_.size(),
-                          field_of<const double>(patch, {u[0].data(), u[1].data(), u[2].data()}),
-                          fluid_.period(), partial);
+      const auto field = field_of<const double>(patch, {u[0].data(), u[1].data(), u[2].data()});
+      kernel_.interpolate(x_.data(), count_, field, fluid_.period(), velocity);
+      kernel_.interpolate_planes(part_x_.data(), part_.size(), field, fluid_.period(),
+                                 part_sums_.data());
+    }
+    for (std::size_t n = 0; n < part_.size(); ++n) {
+      const double* sums = &part_sums_[12 * n];
+      if (whole(part_[n])) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          velocity[3 * part_[n] + axis] = sum_of_planes(sums + 4 * axis);
+      } else {
+        partial = std::copy_n(sums, 12, partial);
+      }
     }
   }
 
  private:
-  [[maybe_unused]] static Box nodes(const Stencil& stencil) {
+  [[nodiscard]] bool in_one_patch(std::size_t m) const {
+    const int first = first_image(first_node(x_[3 * m + 2]), fluid_.period());
+    return std::any_of(fluid_.patches_.begin(), fluid_.patches_.end(), [&](const Patch& patch) {
+      return patch.box == box_ && within(first, 4, patch.planes(), 0);
+    });
+  }
+  [[nodiscard, maybe_unused]] Box nodes(std::size_t m) const {
     Box box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      box[axis] = {stencil.base[axis], stencil.base[axis] + 4};
+      const int first = first_node(x_[3 * m + axis]);
+      box[axis] = {first, first + 4};
     }
     return box;
   }
@@ -88,7 +107,12 @@ class Points::Impl {
   FluidImpl& fluid_;
   int box_;  // of FluidImpl::boxes_
   const StencilKernel& kernel_;
-  std::vector<Stencil> stencils_;
+  std::size_t count_ = 0;
+  std::vector<double> x_;
+  std::vector<std::size_t> part_;  // points whose planes are not all in one patch
+  std::vector<double> part_x_;     // theirs
+  mutable std::vector<double> part_sums_;
+  std::size_t split_ = 0;
 };
 
 Points::Points(Fluid& fluid, int box) : impl_(std::make_unique<Impl>(Inside::of(fluid), box)) {}
@@ -109,9 +133,12 @@ void Points::add_force(std::span<const double> force) {
   assert(force.size() == 3 * size());
   impl_->add_force(force.data());
 }
-void Points::velocities(std::span<double> partial) const {
-  assert(partial.size() == 12 * size());
-  impl_->velocities(partial.data());
+std::size_t Points::split() const {
+  return impl_->split();
+}
+void Points::velocities(std::span<double> velocity, std::span<double> partial) const {
+  assert(velocity.size() == 3 * size() && partial.size() == 12 * split());
+  impl_->velocities(velocity.data(), partial.data());
 }
 
 }  // namespace ductile::fluid

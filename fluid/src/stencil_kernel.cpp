@@ -3,26 +3,95 @@
 // function with external linkage might be linked from here into code for a lesser machine.
 #include "stencil_kernel.hpp"
 
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
+
 namespace ductile::fluid {
 namespace {
 
-// N numbers side by side.
-template <int N>
-struct LanesOf {
-  using type [[gnu::vector_size(N * sizeof(double))]] = double;
-};
-template <int N>
-using Lanes = typename LanesOf<N>::type;
+// Four numbers side by side.
+using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
+using IntLanes [[gnu::vector_size(4 * sizeof(int))]] = int;
 
-template <int N>
-[[gnu::always_inline]] inline Lanes<N> load(const double* from) {
-  Lanes<N> values;
+[[gnu::always_inline]] inline Lanes load(const double* from) {
+  Lanes values;
   __builtin_memcpy(&values, from, sizeof values);
   return values;
 }
-template <int N>
-[[gnu::always_inline]] inline void store(double* to, Lanes<N> values) {
+template <class T, class V>
+[[gnu::always_inline]] inline void store(T* to, V values) {
   __builtin_memcpy(to, &values, sizeof values);
+}
+
+[[gnu::always_inline]] inline Lanes root(Lanes values) {
+#ifdef __AVX__
+  return _mm256_sqrt_pd(values);
+#else
+  return Lanes{__builtin_sqrt(values[0]), __builtin_sqrt(values[1]), __builtin_sqrt(values[2]),
+               __builtin_sqrt(values[3])};
+#endif
+}
+
+// How some points meet the lattice: point m the nodes from base[3 m + axis] to 3 beyond, with phi,
+// eq. (17), at each of them from phi[12 m + 4 axis] on. It is cheaper to compute for a few points
+// at a time than to keep and to fetch.
+struct Stencils {
+  static constexpr std::size_t most = 32;  // points, a multiple of 4
+  alignas(64) int base[3 * most];
+  alignas(64) double phi[12 * most];
+
+  // As weights() of delta.hpp, of four coordinates.
+  [[gnu::always_inline]] void locate_four(std::size_t n, Lanes x) {
+    Lanes node = __builtin_convertvector(__builtin_convertvector(x, IntLanes), Lanes);
+    node = x < node ? node - 1 : node;
+    const Lanes r = x - node;
+    const Lanes square = 1 + 4 * r - 4 * r * r;
+    const Lanes s = root(square > 0 ? square : Lanes{});
+    store(base + n, __builtin_convertvector(node - 1, IntLanes));
+    const Lanes p[4] = {0.125 * (3 - 2 * r - s), 0.125 * (3 - 2 * r + s), 0.125 * (1 + 2 * r + s),
+                        0.125 * (1 + 2 * r - s)};
+    const Lanes even01 = __builtin_shufflevector(p[0], p[1], 0, 4, 2, 6);
+    const Lanes even23 = __builtin_shufflevector(p[2], p[3], 0, 4, 2, 6);
+    const Lanes odd01 = __builtin_shufflevector(p[0], p[1], 1, 5, 3, 7);
+    const Lanes odd23 = __builtin_shufflevector(p[2], p[3], 1, 5, 3, 7);
+    double* to = phi + 4 * n;
+    store(to, __builtin_shufflevector(even01, even23, 0, 1, 4, 5));
+    store(to + 4, __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5));
+    store(to + 8, __builtin_shufflevector(even01, even23, 2, 3, 6, 7));
+    store(to + 12, __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7));
+  }
+
+  [[gnu::always_inline]] void locate(const double* x, std::size_t count) {
+    const std::size_t coordinates = 3 * count;
+    std::size_t n = 0;
+    for (; n + 4 <= coordinates; n += 4) locate_four(n, load(x + n));
+    if (n == coordinates) return;
+    double rest[4] = {};
+    __builtin_memcpy(rest, x + n, (coordinates - n) * sizeof(double));
+    locate_four(n, load(rest));
+  }
+};
+
+// Calls f(m, base, phi) for all points.
+template <class F>
+[[gnu::always_inline]] inline void for_stencils(const double* x, std::size_t count, F&& f) {
+  Stencils stencils;
+  for (std::size_t first = 0; first < count; first += Stencils::most) {
+    const std::size_t some = count - first < Stencils::most ? count - first : Stencils::most;
+    stencils.locate(x + 3 * first, some);
+    for (std::size_t m = 0; m < some; ++m)
+      f(first + m, stencils.base + 3 * m, stencils.phi + 12 * m);
+  }
+}
+
+// A stencil's first plane in [0, period), where z is periodic, counted from the patch's.
+[[gnu::always_inline]] inline int folded(int k, int period) {
+  if (period > 0 && (k < 0 || k >= period)) {
+    k %= period;
+    if (k < 0) k += period;
+  }
+  return k;
 }
 
 // Calls f(k) for each offset k of a stencil's first plane in the patch, -3 <= k < size. Where z is
@@ -32,9 +101,7 @@ template <class Number, class F>
                                               F&& f) {
   int k = base - field.begin[2];
   if (period > 0) {
-    k = (k + 3) % period;
-    if (k < 0) k += period;
-    k -= 3;
+    k = folded(k + 3, period) - 3;
     if (k < 0 && k + period < field.size[2]) f(k + period);
   }
   if (k >= -3 && k < field.size[2]) f(k);
@@ -42,61 +109,85 @@ template <class Number, class F>
 
 // Index of the stencil's first node; its rows in x and in y are `size[1]` pitches and one apart.
 template <class Number>
-[[gnu::always_inline]] inline std::ptrdiff_t corner(const Stencil& point,
+[[gnu::always_inline]] inline std::ptrdiff_t corner(const int* base,
                                                     const PatchField<Number>& field, int k) {
-  const std::ptrdiff_t i = point.base[0] - field.begin[0];
-  const std::ptrdiff_t j = point.base[1] - field.begin[1];
+  const std::ptrdiff_t i = base[0] - field.begin[0];
+  const std::ptrdiff_t j = base[1] - field.begin[1];
   return (i * field.size[1] + j) * field.pitch + field.pad + k;
 }
 
-void spread(const Stencil* points, std::size_t count, const double* force,
+void spread(const double* x, std::size_t count, const double* force,
             const PatchField<double>& field, int period) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
-  for (std::size_t m = 0; m < count; ++m) {
-    const Stencil& point = points[m];
-    for_images(
-        point.base[2], field, period, [&](int k) __attribute__((always_inline)) {
-          const Lanes<4> z = load<4>(point.phi[2]);
-          const Lanes<4> f[3] = {z * force[3 * m], z * force[3 * m + 1], z * force[3 * m + 2]};
-          const std::ptrdiff_t first = corner(point, field, k);
-          for (int i = 0; i < 4; ++i) {
-            for (int j = 0; j < 4; ++j) {
-              const double w = point.phi[0][i] * point.phi[1][j];
-              const std::ptrdiff_t n = first + i * across + j * field.pitch;
-              for (int axis = 0; axis < 3; ++axis) {
-                double* to = field.component[axis] + n;
-                store<4>(to, load<4>(to) + w * f[axis]);
+  for_stencils(
+      x,
+      count, [&](std::size_t m, const int* base, const double* phi) __attribute__((always_inline)) {
+        for_images(
+            base[2], field, period, [&](int k) __attribute__((always_inline)) {
+              const Lanes z = load(phi + 8);
+              const Lanes f[3] = {z * force[3 * m], z * force[3 * m + 1], z * force[3 * m + 2]};
+              const std::ptrdiff_t first = corner(base, field, k);
+              for (int i = 0; i < 4; ++i) {
+                for (int j = 0; j < 4; ++j) {
+                  const double w = phi[i] * phi[4 + j];
+                  const std::ptrdiff_t n = first + i * across + j * field.pitch;
+                  for (int axis = 0; axis < 3; ++axis) {
+                    double* to = field.component[axis] + n;
+                    store(to, load(to) + w * f[axis]);
+                  }
+                }
               }
-            }
-          }
-        });
-  }
+            });
+      });
 }
 
-void interpolate(const Stencil* points, std::size_t count, const PatchField<const double>& field,
-                 int period, double* partial) {
+// Calls f(axis, terms) with the four planes' terms of each component.
+template <class F>
+[[gnu::always_inline]] inline void for_terms(const int* base, const double* phi,
+                                             const PatchField<const double>& field, int k, F&& f) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
-  for (std::size_t m = 0; m < count; ++m) {
-    const Stencil& point = points[m];
-    for_images(
-        point.base[2], field, period, [&](int k) __attribute__((always_inline)) {
-          Lanes<4> u[3] = {};
-          const std::ptrdiff_t first = corner(point, field, k);
-          for (int i = 0; i < 4; ++i) {
-            for (int j = 0; j < 4; ++j) {
-              const double w = point.phi[0][i] * point.phi[1][j];
-              const std::ptrdiff_t n = first + i * across + j * field.pitch;
-              for (int axis = 0; axis < 3; ++axis)
-                u[axis] += w * load<4>(field.component[axis] + n);
-            }
-          }
-          const Lanes<4> z = load<4>(point.phi[2]);
-          for (int axis = 0; axis < 3; ++axis) {
-            double* sum = partial + 12 * m + 4 * axis;
-            store<4>(sum, load<4>(sum) + z * u[axis]);
-          }
-        });
+  const std::ptrdiff_t first = corner(base, field, k);
+  Lanes u[3] = {};
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      const double w = phi[i] * phi[4 + j];
+      const std::ptrdiff_t n = first + i * across + j * field.pitch;
+      for (int axis = 0; axis < 3; ++axis) u[axis] += w * load(field.component[axis] + n);
+    }
   }
+  const Lanes z = load(phi + 8);
+  for (int axis = 0; axis < 3; ++axis) f(axis, z * u[axis]);
+}
+
+void interpolate(const double* x, std::size_t count, const PatchField<const double>& field,
+                 int period, double* velocity) {
+  for_stencils(
+      x,
+      count, [&](std::size_t m, const int* base, const double* phi) __attribute__((always_inline)) {
+        const int k = folded(base[2] - field.begin[2], period);
+        if (k < 0 || k + 4 > field.size[2]) return;
+        double* u = velocity + 3 * m;
+        for_terms(
+            base, phi, field, k, [&](int axis, Lanes t) __attribute__((always_inline)) {
+              u[axis] = ((t[0] + t[1]) + t[2]) + t[3];
+            });
+      });
+}
+
+void interpolate_planes(const double* x, std::size_t count, const PatchField<const double>& field,
+                        int period, double* partial) {
+  for_stencils(
+      x,
+      count, [&](std::size_t m, const int* base, const double* phi) __attribute__((always_inline)) {
+        for_images(
+            base[2], field, period, [&](int k) __attribute__((always_inline)) {
+              for_terms(
+                  base, phi, field, k, [&](int axis, Lanes t) __attribute__((always_inline)) {
+                    double* sum = partial + 12 * m + 4 * static_cast<std::size_t>(axis);
+                    store(sum, load(sum) + t);
+                  });
+            });
+      });
 }
 
 }  // namespace
@@ -104,7 +195,7 @@ void interpolate(const Stencil* points, std::size_t count, const PatchField<cons
 namespace DUCTILE_INSTRUCTION_SET {
 
 const StencilKernel& stencil_kernel() {
-  static constexpr StencilKernel functions = {spread, interpolate};
+  static constexpr StencilKernel functions = {spread, interpolate, interpolate_planes};
   return functions;
 }
 

@@ -7,13 +7,6 @@
 
 namespace ductile::fluid {
 
-/// How a point meets the lattice: the nodes from `base` to `base` + 3 along each axis, and phi at
-/// each.
-struct Stencil {
-  int base[3];
-  double phi[3][4];
-};
-
 /// A vector on the nodes of a Patch, as the loops see it.
 template <class Number>
 struct PatchField {
@@ -24,16 +17,20 @@ struct PatchField {
   Number* component[3];
 };
 
-/// The same bits with each instruction set. `period` is the number of planes after which z repeats,
-/// 0 if it does not.
+/// `x` holds 3 `count` numbers, x y z of each point in turn. The same bits with each instruction
+/// set. `period` is the number of planes after which z repeats, 0 if it does not.
 struct StencilKernel {
   /// Adds F_m phi phi phi to the field, point by point, eq. (16).
-  void (*spread)(const Stencil* points, std::size_t count, const double* force,
+  void (*spread)(const double* x, std::size_t count, const double* force,
                  const PatchField<double>& field, int period);
+  /// velocity[3 m ..] <- eq. (15) for each point of which the field has all four planes, its terms
+  /// added plane by plane.
+  void (*interpolate)(const double* x, std::size_t count, const PatchField<const double>& field,
+                      int period, double* velocity);
   /// Adds, for each point, the field's contribution to eq. (15) from each of its four planes:
   /// partial[12 m + 4 component + plane].
-  void (*interpolate)(const Stencil* points, std::size_t count,
-                      const PatchField<const double>& field, int period, double* partial);
+  void (*interpolate_planes)(const double* x, std::size_t count,
+                             const PatchField<const double>& field, int period, double* partial);
 };
 
 /// stencil_kernel.cpp, compiled once for each of them.

@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <vector>
 
+#include "ductile/fluid/delta.hpp"
 #include "fluid/inside.hpp"
 #include "support/random_numbers.hpp"
 
@@ -43,6 +45,43 @@ void for_nodes(const Patch& patch,
   }
 }
 
+// Of points that are all whole.
+std::vector<double> velocities(const Points& points) {
+  std::vector<double> velocity(3 * points.size(), NAN);
+  points.velocities(velocity, {});
+  return velocity;
+}
+
+// A point's nodes and weights are those of weights(), whichever instructions compute them.
+TEST(ImmersedBoundary, MeetsTheNodesWithTheWeightsOfTheDeltaFunction) {
+  std::vector<double> coordinates = random_numbers(30, 2.0, 9.0, 21);
+  for (const double special : {3.0, 4.5, 7.25, std::nextafter(4.0, 0.0), std::nextafter(4.0, 9.0)})
+    coordinates.push_back(special);
+  for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!available(set)) continue;
+    for (std::size_t n = 0; n + 2 < coordinates.size(); ++n) {
+      Fluid fluid = boxed({12, 12, 12}, Boundary::halfway, set);
+      Points point(fluid, 0);
+      const std::span x = std::span(coordinates).subspan(n, 3);
+      point.locate(x);
+      point.add_force(std::vector<double>{0, 1, 0});
+      std::size_t reached = 0;
+      const Patch& patch = patches(fluid).at(0);
+      for_nodes(patch, [&](std::size_t node, const Eigen::Vector3d& at) {
+        double phi[3] = {};
+        for (int axis = 0; axis < 3; ++axis) {
+          const Weights w = weights(x[static_cast<std::size_t>(axis)]);
+          const int k = static_cast<int>(at[axis]) - w.base;
+          if (k >= 0 && k < 4) phi[axis] = w.phi[static_cast<std::size_t>(k)];
+        }
+        EXPECT_EQ(patch.force[1][node], phi[0] * phi[1] * phi[2]);
+        if (patch.force[1][node] != 0) ++reached;
+      });
+      EXPECT_GE(reached, 27U);
+    }
+  }
+}
+
 // F . (J u) = (J^T F) . u, with and without a periodic z in which stencils meet both ends.
 TEST(ImmersedBoundary, SpreadIsAdjointOfInterpolate) {
   for (const Boundary z : {Boundary::halfway, Boundary::periodic}) {
@@ -61,15 +100,12 @@ TEST(ImmersedBoundary, SpreadIsAdjointOfInterpolate) {
     Points points(fluid, 0);
     points.locate(x);
     points.add_force(force);
-    std::vector<double> partial(12 * count, NAN);
-    points.velocities(partial);
+    const std::vector<double> velocity = velocities(points);
     double points_side = 0;
     double size = 0;
     for (std::size_t n = 0; n < 3 * count; ++n) {
-      const double velocity =
-          partial[4 * n] + partial[4 * n + 1] + partial[4 * n + 2] + partial[4 * n + 3];
-      points_side += force[n] * velocity;
-      size += std::abs(force[n] * velocity);
+      points_side += force[n] * velocity[n];
+      size += std::abs(force[n] * velocity[n]);
     }
     double nodes_side = 0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -92,7 +128,7 @@ TEST(ImmersedBoundary, IsTheSameWithEachInstructionSet) {
   const std::vector<double> x = random_numbers(3 * count, 1.0, 8.0, 12);
   const std::vector<double> force = random_numbers(3 * count, -1, 1, 13);
   std::array<std::vector<double>, 3> expected_force;
-  std::vector<double> expected_partial;
+  std::vector<double> expected_velocity;
   for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
     if (!available(set)) continue;
     Fluid fluid = boxed({10, 10, 12}, Boundary::halfway, set);
@@ -101,14 +137,13 @@ TEST(ImmersedBoundary, IsTheSameWithEachInstructionSet) {
     points.add_force(force);
     Patch& patch = patches(fluid).at(0);
     patch.velocity = patch.force;
-    std::vector<double> partial(12 * count);
-    points.velocities(partial);
+    const std::vector<double> velocity = velocities(points);
     if (set == InstructionSet::baseline) {
       expected_force = patch.force;
-      expected_partial = partial;
+      expected_velocity = velocity;
     }
     EXPECT_EQ(patch.force, expected_force);
-    EXPECT_EQ(partial, expected_partial);
+    EXPECT_EQ(velocity, expected_velocity);
   }
 }
 
@@ -138,10 +173,7 @@ TEST(ImmersedBoundary, InterpolationIsExactForLinearFields) {
   const std::vector<double> x = {3.14, 2.72, 4.67};
   Points points(fluid, 0);
   points.locate(x);
-  std::vector<double> partial(12);
-  points.velocities(partial);
-  EXPECT_NEAR(partial[4] + partial[5] + partial[6] + partial[7], 1 + 2 * x[0] - x[1] + 0.5 * x[2],
-              1e-13);
+  EXPECT_NEAR(velocities(points)[1], 1 + 2 * x[0] - x[1] + 0.5 * x[2], 1e-13);
 }
 
 // Without looking inside: the fluid gains the points' force as momentum, and tells its velocity
@@ -159,11 +191,9 @@ TEST(Points, ForceActsAndVelocityIsToldThroughTheInterfaceAlone) {
   EXPECT_TRUE(points.whole(0));
   points.add_force(force);
   fluid.step();
-  std::vector<double> partial(12);
-  points.velocities(partial);
+  const std::vector<double> u = velocities(points);
   for (std::size_t a = 0; a < 3; ++a) {
-    const double u = partial[4 * a] + partial[4 * a + 1] + partial[4 * a + 2] + partial[4 * a + 3];
-    EXPECT_NEAR(u, 0.5 * std::pow(3.0 / 8.0, 3) * force[a], 1e-17);
+    EXPECT_NEAR(u[a], 0.5 * std::pow(3.0 / 8.0, 3) * force[a], 1e-17);
     EXPECT_NEAR(fluid.totals().momentum[static_cast<Eigen::Index>(a)], force[a], 1e-16);
   }
 }
@@ -184,11 +214,7 @@ TEST(Points, OfBoxesThatOverlapFeelEachOther) {
   watched.locate(std::vector<double>{4.5, 4.5, 19.5});
   pushed.add_force(std::vector<double>{0, 0, 1e-3});
   fluid.step();
-  std::vector<double> partial(12);
-  watched.velocities(partial);
-  double u = 0;
-  for (std::size_t plane = 0; plane < 4; ++plane) u += partial[8 + plane];
-  EXPECT_GT(u, 0);
+  EXPECT_GT(velocities(watched)[2], 0);
 }
 
 TEST(Boxes, HoldTheReachWithRoomToMoveAndKeepToTheDomain) {

@@ -118,8 +118,9 @@ INSTANTIATE_TEST_SUITE_P(Mirrored, Ranks,
                                           testing::ValuesIn(ductile::test::precisions),
                                           testing::Values(Mirror::between_nodes, Mirror::on_node)));
 
-// Each rank tells of each point what its own planes give, and nothing else; together they tell what
-// one rank with the whole fluid does. What reached() says of a rank is what that rank finds.
+// Each rank tells of each point what its own planes give, and nothing else: its velocity, where it
+// has them all. Together they tell what one rank with the whole fluid does. What reached() says of
+// a rank is what that rank finds.
 TEST_P(Ranks, PointsAreToldTheSamePlaneByPlane) {
   Options o;
   o.nodes = {12, 12, 24};
@@ -140,11 +141,14 @@ TEST_P(Ranks, PointsAreToldTheSamePlaneByPlane) {
   Fluid cut(MPI_COMM_WORLD, o);
   Fluid whole(MPI_COMM_SELF, o);
   const std::array<Box, 1> boxes = {whole.box_around(reach)};
-  std::vector<std::vector<double>> told;
+  std::vector<double> expected(3 * count);
+  // Of each point its velocity, where a rank has it whole, how many do, and the four terms.
+  constexpr std::size_t numbers = 16;
+  std::vector<double> told(numbers * count);
   std::vector<int> reached;
-  std::vector<char> has_whole;
+  std::vector<std::size_t> split;
   const Communicator world(MPI_COMM_WORLD);
-  cut.reached(world.rank(), x, reached, has_whole);
+  cut.reached(world.rank(), x, reached, split);
   EXPECT_TRUE(cut.touches(world.rank(), boxes[0]));
   for (Fluid* fluid : {&cut, &whole}) {
     fluid->place_boxes(boxes);
@@ -154,23 +158,46 @@ TEST_P(Ranks, PointsAreToldTheSamePlaneByPlane) {
       points.add_force(force);
       fluid->step();
     }
-    told.emplace_back(12 * count);
-    points.velocities(told.back());
-    std::size_t next = 0;
-    for (std::size_t m = 0; fluid == &cut && m < count; ++m) {
-      const bool here = next < reached.size() && reached[next] == static_cast<int>(m);
-      EXPECT_EQ(points.whole(m), here && has_whole[next] != 0);
-      const double* partial = &told.back()[12 * m];
-      if (here) ++next;
-      EXPECT_EQ(here, std::any_of(partial, partial + 12, [](double p) { return p != 0; }));
+    if (fluid == &whole) {
+      EXPECT_EQ(points.split(), 0U);
+      points.velocities(expected, {});
+      continue;
     }
-    EXPECT_EQ(next, fluid == &cut ? reached.size() : 0U);
+    std::vector<double> velocity(3 * count, 0.0);
+    std::vector<double> partial(12 * points.split());
+    points.velocities(velocity, partial);
+    std::size_t next = 0;
+    std::size_t next_split = 0;
+    const double* terms = partial.data();
+    for (std::size_t m = 0; m < count; ++m) {
+      const bool here = next < reached.size() && reached[next] == static_cast<int>(m);
+      const bool in_part = here && next_split < split.size() && split[next_split] == next;
+      EXPECT_EQ(points.whole(m), here && !in_part);
+      if (here) ++next;
+      if (in_part) ++next_split;
+      double* to = &told[numbers * m];
+      std::copy_n(&velocity[3 * m], 3, to);
+      to[3] = points.whole(m) ? 1 : 0;
+      if (!points.whole(m)) {
+        EXPECT_EQ(here, std::any_of(terms, terms + 12, [](double p) { return p != 0; }));
+        std::copy_n(terms, 12, to + 4);
+        terms += 12;
+      }
+    }
+    EXPECT_EQ(next, reached.size());
+    EXPECT_EQ(next_split, split.size());
   }
   // All but one of the terms are zero.
-  mpi_check(MPI_Allreduce(MPI_IN_PLACE, told[0].data(), static_cast<int>(told[0].size()),
-                          MPI_DOUBLE, MPI_SUM, world.get()),
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, told.data(), static_cast<int>(told.size()), MPI_DOUBLE,
+                          MPI_SUM, world.get()),
             "MPI_Allreduce");
-  EXPECT_EQ(told[0], told[1]);
+  for (std::size_t m = 0; m < count; ++m) {
+    const double* of = &told[numbers * m];
+    EXPECT_LE(of[3], 1);
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_EQ(of[3] == 1 ? of[a] : sum_of_planes(of + 4 + 4 * a), expected[3 * m + a]);
+    }
+  }
 }
 
 TEST(Slabs, ShareThePlanesEvenly) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -119,6 +120,24 @@ fluid::NodeState InitialFlow::at(double x, double y) const {
     state.gradient(1, 2) = gradient.y();
   }
   return state;
+}
+
+std::vector<int> owners(const Plan& plan, int ranks) {
+  const std::size_t count = plan.bodies.size();
+  const auto place = [&](std::size_t body) {
+    const double z = plan.bodies[body].centre.z() / plan.length();
+    return z - std::floor(z);
+  };
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, place);
+  std::vector<int> owners(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    // Where the k-th would be if they were equally far apart.
+    owners[order[k]] =
+        static_cast<int>((2 * k + 1) * static_cast<std::size_t>(ranks) / (2 * count));
+  }
+  return owners;
 }
 
 fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm) {

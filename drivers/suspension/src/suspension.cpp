@@ -32,7 +32,10 @@ Plan checked(Plan plan) {
 }  // namespace
 
 Suspension::Suspension(Plan plan, MPI_Comm comm)
-    : plan_(checked(std::move(plan))), comm_(comm), fluid_(make_fluid(plan_, comm_.get())) {
+    : plan_(checked(std::move(plan))),
+      comm_(comm),
+      owners_(suspension::owners(plan_, comm_.size())),
+      fluid_(make_fluid(plan_, comm_.get())) {
   make_bodies();
   std::vector<coupling::Member> members;
   for (const Owned& owned : bodies_) {

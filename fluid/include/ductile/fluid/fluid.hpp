@@ -188,10 +188,10 @@ class Fluid {
   /// Whether the rank holds any node of the box.
   [[nodiscard]] bool touches(int rank, const Box& box) const;
   /// points <- those of the positions, 3n numbers, that reach nodes of the rank, in their order,
-  /// and whole <- for each of these 1 if that rank holds all nodes that it reaches, else 0: what
-  /// Points::whole() says there.
+  /// and split <- where in `points` those are of which that rank does not hold all nodes that they
+  /// reach: what Points::whole() says there.
   void reached(int rank, std::span<const double> positions, std::vector<int>& points,
-               std::vector<char>& whole) const;
+               std::vector<std::size_t>& split) const;
 
   /// Reads density and momentum (half of the uniform force in, eq. (6)) in all boxes from the
   /// populations: for bodies that must know the velocity before they choose their force.

@@ -9,6 +9,11 @@
 
 namespace ductile::fluid {
 
+/// A component of a velocity from its four planes' parts, the same wherever they are added.
+inline double sum_of_planes(const double* parts) {
+  return ((parts[0] + parts[1]) + parts[2]) + parts[3];
+}
+
 /// Points in one of a fluid's boxes, with Peskin's 4-point kernel between them and the nodes,
 /// eqs. (15)-(17). Each rank acts on the nodes that it holds and on no others; no call is
 /// collective. Positions are in lattice units, of node (i, j, k) as (i, j, k); z of any periodic
@@ -31,17 +36,21 @@ class Points {
   [[nodiscard]] std::size_t size() const;
   /// Whether this rank holds all four planes of nodes that point m reaches.
   [[nodiscard]] bool whole(std::size_t m) const;
+  /// How many are not.
+  [[nodiscard]] std::size_t split() const;
 
   /// Adds `force`, 3n numbers, to the force that acts on the fluid in the next step, point by
   /// point, eq. (16) (the minus sign is in the force). Across a mirror plane each point has an
   /// image, which exerts the image of its force: points of a surface that is its own image exert
   /// half of what they exert in the whole fluid.
   void add_force(std::span<const double> force);
-  /// partial[12 m + 4 component + plane] <- the part of point m's velocity, eq. (15), that comes
-  /// from each of the four planes of nodes that it reaches, 0 of planes that this rank does not
-  /// hold. Summed in the planes' order over the ranks that hold them they are the same to the last
-  /// bit on any number of ranks. The velocity is that left by Fluid::update_velocity() or step().
-  void velocities(std::span<double> partial) const;
+  /// velocity[3 m ..] <- the velocity of each whole point m, eq. (15), the sum over the four planes
+  /// of nodes that it reaches in their order; 3n numbers, of which those of other points are left
+  /// as they are. Of those, in their order, partial[12 n + 4 component + plane] <- the part from
+  /// each plane, 0 from those that this rank does not hold: sum_of_planes() of what the ranks add
+  /// up to is the same to the last bit on any number of them. The velocity is that left by
+  /// Fluid::update_velocity() or step().
+  void velocities(std::span<double> velocity, std::span<double> partial) const;
 
  private:
   class Impl;

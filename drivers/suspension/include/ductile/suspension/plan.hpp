@@ -149,6 +149,11 @@ class InitialFlow {
   std::optional<fluid::DuctFlow> duct_;  // none at rest
 };
 
+/// The rank that each body belongs to: as even a share of the bodies as there is for every rank, in
+/// the order of their centres along the periodic channel, so that a body starts near the planes of
+/// its rank and few of its markers have to be sent.
+std::vector<int> owners(const Plan& plan, int ranks);
+
 /// The fluid of a plan in its initial state. Collective. Throws as fluid::Fluid.
 fluid::Fluid make_fluid(const Plan& plan, MPI_Comm comm);
 

@@ -48,10 +48,9 @@ struct FluidState {
 /// Every member but the plain getters is collective.
 class Suspension {
  public:
-  /// Keeps a copy of the plan. Body b belongs to rank b modulo the number of ranks. Throws
-  /// std::invalid_argument on every rank: for a plan that contradicts itself (Plan::check), as
-  /// fluid::Fluid, and with the body's name for whatever keeps its owner from making it;
-  /// fluid::MpiFailure.
+  /// Keeps a copy of the plan. Throws std::invalid_argument on every rank: for a plan that
+  /// contradicts itself (Plan::check), as fluid::Fluid, and with the body's name for whatever keeps
+  /// its owner from making it; fluid::MpiFailure.
   Suspension(Plan plan, MPI_Comm comm);
   ~Suspension();
   Suspension(const Suspension&) = delete;
@@ -62,9 +61,8 @@ class Suspension {
   [[nodiscard]] MPI_Comm comm() const { return comm_.get(); }
   [[nodiscard]] int rank() const { return comm_.rank(); }
   [[nodiscard]] int ranks() const { return comm_.size(); }
-  [[nodiscard]] int owner(std::size_t body) const {
-    return static_cast<int>(body % static_cast<std::size_t>(ranks()));
-  }
+  /// As owners() has it.
+  [[nodiscard]] int owner(std::size_t body) const { return owners_[body]; }
   /// The body if this rank owns it, else null.
   [[nodiscard]] const Body* own(std::size_t body) const;
 
@@ -112,6 +110,7 @@ class Suspension {
 
   Plan plan_;
   fluid::Communicator comm_;
+  std::vector<int> owners_;
   fluid::Fluid fluid_;
   std::vector<Owned> bodies_;
   std::optional<coupling::Coupler> coupler_;
