@@ -101,30 +101,97 @@ template <int from, class V, std::size_t... k>
   }
 }
 
+// Which of a vector's numbers are in memory: all, or some of them, the first first. The others are
+// zero when loaded and not stored.
+struct All {
+  template <int n>
+  [[nodiscard, gnu::always_inline]] All low() const {
+    return {};
+  }
+  template <int n>
+  [[nodiscard, gnu::always_inline]] All high() const {
+    return {};
+  }
+};
+struct First {
+  unsigned bits;  // of each number one, the first the lowest
+  [[gnu::always_inline]] static First of(int n) { return {(1U << static_cast<unsigned>(n)) - 1U}; }
+  // Those among the first n, and after them.
+  template <int n>
+  [[nodiscard, gnu::always_inline]] First low() const {
+    return {bits & ((1U << n) - 1U)};
+  }
+  template <int n>
+  [[nodiscard, gnu::always_inline]] First high() const {
+    return {bits >> n};
+  }
+};
+
+template <class L>
+[[gnu::always_inline]] inline L load_some(const Number<L>* from, All /*which*/) {
+  L values;
+  __builtin_memcpy(&values, from, sizeof values);
+  return values;
+}
+template <class L>
+[[gnu::always_inline]] inline void store_some(Number<L>* to, L values, All /*which*/) {
+  __builtin_memcpy(to, &values, sizeof values);
+}
+
+#ifdef __AVX512F__
+// A row's last vector then takes no longer than any other.
+constexpr bool loads_some = true;
+template <class L>
+[[gnu::always_inline]] inline L load_some(const Number<L>* from, First which) {
+  constexpr bool single = sizeof(Number<L>) == sizeof(float);
+  if constexpr (sizeof(L) == 64 && single) {
+    return _mm512_maskz_loadu_ps(static_cast<__mmask16>(which.bits), from);
+  } else if constexpr (sizeof(L) == 64) {
+    return _mm512_maskz_loadu_pd(static_cast<__mmask8>(which.bits), from);
+  } else {
+    static_assert(sizeof(L) == 32 && single);
+    return _mm256_maskz_loadu_ps(static_cast<__mmask8>(which.bits), from);
+  }
+}
+template <class L>
+[[gnu::always_inline]] inline void store_some(Number<L>* to, L values, First which) {
+  constexpr bool single = sizeof(Number<L>) == sizeof(float);
+  if constexpr (sizeof(L) == 64 && single) {
+    _mm512_mask_storeu_ps(to, static_cast<__mmask16>(which.bits), values);
+  } else if constexpr (sizeof(L) == 64) {
+    _mm512_mask_storeu_pd(to, static_cast<__mmask8>(which.bits), values);
+  } else {
+    static_assert(sizeof(L) == 32 && single);
+    _mm256_mask_storeu_ps(to, static_cast<__mmask8>(which.bits), values);
+  }
+}
+#else
+constexpr bool loads_some = false;
+#endif
+
 // Numbers that fill more than a register, being wider than those that they become, come and go by
 // halves.
-template <class V, class T>
-[[gnu::always_inline]] inline V load(const T* from) {
+template <class V, class T, class Which>
+[[gnu::always_inline]] inline V load(const T* from, Which which) {
   constexpr int n = count<V>;
   if constexpr (n * sizeof(T) > register_bytes) {
-    return joined<V>(load<Half<V>>(from), load<Half<V>>(from + n / 2),
+    return joined<V>(load<Half<V>>(from, which.template low<n / 2>()),
+                     load<Half<V>>(from + n / 2, which.template high<n / 2>()),
                      std::make_index_sequence<n>{});
   } else {
-    Lanes<T, n> values;
-    __builtin_memcpy(&values, from, sizeof values);
-    return convert<V>(values);
+    return convert<V>(load_some<Lanes<T, n>>(from, which));
   }
 }
 
-template <class T, class V>
-[[gnu::always_inline]] inline void store(T* to, V value) {
+template <class T, class V, class Which>
+[[gnu::always_inline]] inline void store(T* to, V value, Which which) {
   constexpr int n = count<V>;
   if constexpr (n * sizeof(T) > register_bytes) {
-    store(to, part<0>(value, std::make_index_sequence<n / 2>{}));
-    store(to + n / 2, part<n / 2>(value, std::make_index_sequence<n / 2>{}));
+    store(to, part<0>(value, std::make_index_sequence<n / 2>{}), which.template low<n / 2>());
+    store(to + n / 2, part<n / 2>(value, std::make_index_sequence<n / 2>{}),
+          which.template high<n / 2>());
   } else {
-    const auto values = convert<Lanes<T, n>>(value);
-    __builtin_memcpy(to, &values, sizeof values);
+    store_some(to, convert<Lanes<T, n>>(value), which);
   }
 }
 
@@ -211,13 +278,13 @@ struct Nodes {
   V d[pairs];
 };
 
-template <class V, class Real>
-[[gnu::always_inline]] inline Nodes<V> load_nodes(const Row<Real>& row, int k) {
+template <class V, class Real, class Which>
+[[gnu::always_inline]] inline Nodes<V> load_nodes(const Row<Real>& row, int k, Which which) {
   Nodes<V> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
-  nodes.rest = load<V>(row.rest + k);
+  nodes.rest = load<V>(row.rest + k, which);
   for_pairs([&]<int p>() __attribute__((always_inline)) {
-    const V f = load<V>(row.plus[p] + k);
-    const V opposite = load<V>(row.minus[p] + k);
+    const V f = load<V>(row.plus[p] + k, which);
+    const V opposite = load<V>(row.minus[p] + k, which);
     nodes.t[p] = plus<V>(f, opposite);
     nodes.d[p] = minus<V>(f, opposite);
   });
@@ -311,11 +378,11 @@ template <class V>
 // r = 9/2 w+ j + 9 g+ F and q = 3 w- j + 3 g- F turn this into
 //   t* = (1 - w+) t + 2 w_i [w+ drho - u.r/3 + (c.u)(c.r)],   d* = (1 - w-) d + 2 w_i c.q.
 // Both are scaled by 1/36, the weight of the diagonals.
-template <class V, class Real>
-[[gnu::always_inline]] inline void relax(const Row<Real>& row, int k, const Nodes<V>& nodes,
-                                         const Relaxation& relaxation, V drho, const Vector<V>& u,
-                                         const Vector<V>& m, const Vector<V>& j,
-                                         const Vector<V>& force) {
+template <class V, class Real, class Which>
+[[gnu::always_inline]] inline void relax(const Row<Real>& row, int k, Which which,
+                                         const Nodes<V>& nodes, const Relaxation& relaxation,
+                                         V drho, const Vector<V>& u, const Vector<V>& m,
+                                         const Vector<V>& j, const Vector<V>& force) {
   using T = Number<V>;
   const double wp = relaxation.omega_plus;
   const double wm = relaxation.omega_minus;
@@ -334,20 +401,20 @@ template <class V, class Real>
   const V s = static_cast<T>(w * wp) * drho - third;
 
   const T keep_even = static_cast<T>(0.5 * (1 - wp));
-  store(row.rest + k, static_cast<T>(1 - wp) * nodes.rest + T{12} * s);
+  store(row.rest + k, static_cast<T>(1 - wp) * nodes.rest + T{12} * s, which);
   const auto put = [&]<int p>(V even, V odd, [[maybe_unused]] V more)
       __attribute__((always_inline)) {
     const V t = keep_even * nodes.t[p] + even;
     if constexpr (is_single<V>) {
       const V half = T{0.5} * nodes.d[p];
       const V d = half - static_cast<T>(wm) * (half - odd);
-      store(row.minus[p] + k, plus(plus(t, more), d));
-      store(row.plus[p] + k, (t - more) - d);
+      store(row.minus[p] + k, plus(plus(t, more), d), which);
+      store(row.plus[p] + k, (t - more) - d, which);
     } else {
       const T keep_odd = static_cast<T>(0.5 * (1 - wm));
       const V d = keep_odd * nodes.d[p] + odd;
-      store(row.minus[p] + k, plus(t, d));
-      store(row.plus[p] + k, t - d);
+      store(row.minus[p] + k, plus(t, d), which);
+      store(row.plus[p] + k, t - d, which);
     }
   };
   constexpr T two = 2;
@@ -366,15 +433,16 @@ template <class V, class Real>
   put.template operator()<8>(s_yz - yz, q.y - q.z, beside.y - beside.z);
 }
 
-template <class V>
-[[gnu::always_inline]] inline Vector<V> load_vector(const double* const* from, int k) {
-  return {load<V>(from[0] + k), load<V>(from[1] + k), load<V>(from[2] + k)};
+template <class V, class Which>
+[[gnu::always_inline]] inline Vector<V> load_vector(const double* const* from, int k, Which which) {
+  return {load<V>(from[0] + k, which), load<V>(from[1] + k, which), load<V>(from[2] + k, which)};
 }
-template <class V>
-[[gnu::always_inline]] inline void store_vector(double* const* to, int k, const Vector<V>& v) {
-  store(to[0] + k, v.x);
-  store(to[1] + k, v.y);
-  store(to[2] + k, v.z);
+template <class V, class Which>
+[[gnu::always_inline]] inline void store_vector(double* const* to, int k, const Vector<V>& v,
+                                                Which which) {
+  store(to[0] + k, v.x, which);
+  store(to[1] + k, v.y, which);
+  store(to[2] + k, v.z, which);
 }
 
 template <class V>
@@ -383,11 +451,12 @@ template <class V>
   return {all<V>(static_cast<T>(v[0])), all<V>(static_cast<T>(v[1])), all<V>(static_cast<T>(v[2]))};
 }
 
-template <bool local, class V>
-[[gnu::always_inline]] inline Vector<V> force_at(const RowForce& force, int k) {
+template <bool local, class V, class Which>
+[[gnu::always_inline]] inline Vector<V> force_at(const RowForce& force, int k,
+                                                 [[maybe_unused]] Which which) {
   Vector<V> f = uniform<V>(force.uniform);
   if constexpr (local) {
-    const Vector<V> more = load_vector<V>(force.local, k);
+    const Vector<V> more = load_vector<V>(force.local, k, which);
     f = {f.x + more.x, f.y + more.y, f.z + more.z};
   }
   return f;
@@ -423,13 +492,13 @@ struct WallRule {
     V minus[pairs];
   };
 
-  template <class V, class Real>
-  [[gnu::always_inline]] static Known<V> load_known(const Row<Real>& row, int k) {
+  template <class V, class Real, class Which>
+  [[gnu::always_inline]] static Known<V> load_known(const Row<Real>& row, int k, Which which) {
     Known<V> known;  // NOLINT(cppcoreguidelines-pro-type-member-init): the unknown are not read
-    known.rest = load<V>(row.rest + k);
+    known.rest = load<V>(row.rest + k, which);
     for_pairs([&]<int p>() __attribute__((always_inline)) {
-      if constexpr (counted<p, 1, nx, ny> != 0) known.plus[p] = load<V>(row.plus[p] + k);
-      if constexpr (counted<p, -1, nx, ny> != 0) known.minus[p] = load<V>(row.minus[p] + k);
+      if constexpr (counted<p, 1, nx, ny> != 0) known.plus[p] = load<V>(row.plus[p] + k, which);
+      if constexpr (counted<p, -1, nx, ny> != 0) known.minus[p] = load<V>(row.minus[p] + k, which);
     });
     return known;
   }
@@ -454,13 +523,13 @@ struct WallRule {
     return drho;
   }
 
-  template <class V, class Real>
-  [[gnu::always_inline]] void collide_nodes(const Row<Real>& row, int k,
+  template <class V, class Real, class Which>
+  [[gnu::always_inline]] void collide_nodes(const Row<Real>& row, int k, Which which,
                                             const Relaxation& relaxation) const {
     using T = Number<V>;
     constexpr T two = 2;
     Nodes<V> nodes;  // NOLINT(cppcoreguidelines-pro-type-member-init): every member is set below
-    const Known<V> known = load_known<V>(row, k);
+    const Known<V> known = load_known<V>(row, k, which);
     const double uu = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     const V drho = density_less_one<V>(known);
     const V rho = weighing<compressible>(drho);
@@ -517,7 +586,7 @@ struct WallRule {
     const Vector<V> j = {rho * velocity.x, rho * velocity.y, rho * velocity.z};
     const Vector<V> force = uniform<V>(f);
     const Vector<V> m = combined(1, j, -0.5, force);
-    relax(row, k, nodes, relaxation, drho, velocity, m, j, force);
+    relax(row, k, which, nodes, relaxation, drho, velocity, m, j, force);
   }
 };
 
@@ -540,14 +609,17 @@ template <class Real>
   });
 }
 
-// Calls f<V>(k) for nodes [begin, end), as many at a time as V has lanes of the T: the widest
-// vectors, then ever narrower ones for what remains.
+// Calls f<V>(k, which) for nodes [begin, end), as many at a time as V has lanes of the T: the
+// widest vectors, then one of which some numbers are left out, or ever narrower ones, for what
+// remains.
 template <class T, int N = widest<T>, class F>
 [[gnu::always_inline]] inline void for_nodes(int begin, int end, F&& f) {
   int k = begin;
 #pragma GCC unroll 1
-  for (; k + N <= end; k += N) f.template operator()<Lanes<T, N>>(k);
-  if constexpr (N > 1) {
+  for (; k + N <= end; k += N) f.template operator()<Lanes<T, N>>(k, All{});
+  if constexpr (loads_some) {
+    if (k < end) f.template operator()<Lanes<T, N>>(k, First::of(end - k));
+  } else if constexpr (N > 1) {
     if (k < end) for_nodes<T, N / 2>(k, end, f);
   }
 }
@@ -563,7 +635,7 @@ template <class T, class Real, class F>
   for (; k + line <= end; k += line) {
     prefetch(row, k);
 #pragma GCC unroll 1
-    for (int j = 0; j < line; j += N) f.template operator()<Lanes<T, N>>(k + j);
+    for (int j = 0; j < line; j += N) f.template operator()<Lanes<T, N>>(k + j, All{});
   }
   if (k < end) {
     prefetch(row, k);
@@ -575,9 +647,9 @@ template <class T, class Real, class F>
 template <class T, bool compressible, bool local, class Real>
 void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowForce force) {
   for_nodes_ahead<T>(
-      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
-        const Vector<V> f = force_at<local, V>(force, k);
-        const Nodes<V> nodes = load_nodes<V>(row, k);
+      row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
+        const Vector<V> f = force_at<local, V>(force, k, which);
+        const Nodes<V> nodes = load_nodes<V>(row, k, which);
         const Moments<V> m = moments_of(nodes);
         constexpr T half = 0.5;
         const Vector<V> j = {m.x + half * f.x, m.y + half * f.y, m.z + half * f.z};
@@ -586,8 +658,8 @@ void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowFo
           const V inverse = T{1} / (T{1} + m.density_less_one);
           u = {j.x * inverse, j.y * inverse, j.z * inverse};
         }
-        if constexpr (local) store_vector(force.velocity, k, u);
-        relax(row, k, nodes, relaxation, m.density_less_one, u, {m.x, m.y, m.z}, j, f);
+        if constexpr (local) store_vector(force.velocity, k, u, which);
+        relax(row, k, which, nodes, relaxation, m.density_less_one, u, {m.x, m.y, m.z}, j, f);
       });
 }
 
@@ -627,8 +699,8 @@ void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
                       const RowForce& force, const RowWall& wall) {
   const WallRule<nx, ny, compressible> rule(force, wall);
   for_nodes_ahead<T>(
-      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
-        rule.template collide_nodes<V>(row, k, relaxation);
+      row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
+        rule.template collide_nodes<V>(row, k, which, relaxation);
       });
 }
 
@@ -645,8 +717,9 @@ void wall_density_row(Row<Real> row, int begin, int end, const RowForce& force, 
                       double* density) {
   const WallRule<nx, ny, true> rule(force, wall);  // of which the density is no matter here
   for_nodes_ahead<double>(
-      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
-        store(density + k, rule.density_less_one(rule.template load_known<V>(row, k)));
+      row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
+        store(density + k, rule.density_less_one(rule.template load_known<V>(row, k, which)),
+              which);
       });
 }
 
@@ -662,12 +735,12 @@ template <class Real>
 void moments(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
              double* z) {
   for_nodes_ahead<double>(
-      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
-        const Moments<V> m = moments_of(load_nodes<V>(row, k));
-        store(density + k, m.density_less_one);
-        store(x + k, m.x);
-        store(y + k, m.y);
-        store(z + k, m.z);
+      row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
+        const Moments<V> m = moments_of(load_nodes<V>(row, k, which));
+        store(density + k, m.density_less_one, which);
+        store(x + k, m.x, which);
+        store(y + k, m.y, which);
+        store(z + k, m.z, which);
       });
 }
 
@@ -675,29 +748,24 @@ template <bool compressible, class Real>
 void add_flow(const Row<Real>& row, int begin, int end, double half_force, double share,
               double* sum) {
   for_nodes_ahead<double>(
-      row, begin, end, [&]<class V>(int k) __attribute__((always_inline)) {
-        const Moments<V> m = moments_of(load_nodes<V>(row, k));
+      row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
+        const Moments<V> m = moments_of(load_nodes<V>(row, k, which));
         const V u = (m.z + half_force) / weighing<compressible>(m.density_less_one);
-        store(sum + k, load<V>(sum + k) + share * u);
+        store(sum + k, load<V>(sum + k, which) + share * u, which);
       });
 }
 
 template <class Real>
 void stream_row(Row<Real> row, int begin, int end) {
   for_nodes_ahead<Real>(
-      row, begin, end, [&]<class Values>(int k) __attribute__((always_inline)) {
+      row, begin, end, [&]<class Values>(int k, auto which) __attribute__((always_inline)) {
         const auto swap = [&](Real * a, Real * b) __attribute__((always_inline)) {
-          Values x;
-          Values y;
-          __builtin_memcpy(&x, a + k, sizeof x);
-          __builtin_memcpy(&y, b + k, sizeof y);
-          __builtin_memcpy(a + k, &y, sizeof y);
-          __builtin_memcpy(b + k, &x, sizeof x);
+          const auto x = load<Values>(a + k, which);
+          const auto y = load<Values>(b + k, which);
+          store(a + k, y, which);
+          store(b + k, x, which);
         };
-        Values rest;
-        __builtin_memcpy(&rest, row.rest + k, sizeof rest);
-        rest = -rest;
-        __builtin_memcpy(row.rest + k, &rest, sizeof rest);
+        store(row.rest + k, -load<Values>(row.rest + k, which), which);
         for_pairs([&]<int p>() __attribute__((always_inline)) { swap(row.plus[p], row.minus[p]); });
       });
 }
