@@ -9,15 +9,15 @@ namespace ductile::coupling {
 using fluid::Weights;
 using fluid::weights;
 
-const ResponseKernel& response_kernel([[maybe_unused]] fluid::InstructionSet set) {
+const ResponseKernel& response_kernel([[maybe_unused]] InstructionSet set) {
 #ifdef DUCTILE_X86
-  if (set == fluid::InstructionSet::avx512) return avx512::response_kernel();
-  if (set == fluid::InstructionSet::avx2) return avx2::response_kernel();
+  if (set == InstructionSet::avx512) return avx512::response_kernel();
+  if (set == InstructionSet::avx2) return avx2::response_kernel();
 #endif
   return baseline::response_kernel();
 }
 
-MarkerResponse::MarkerResponse(fluid::Mirror mirror, fluid::InstructionSet set)
+MarkerResponse::MarkerResponse(fluid::Mirror mirror, InstructionSet set)
     : mirror_(mirror), kernel_(&response_kernel(set)) {}
 
 void MarkerResponse::locate(std::span<const double> positions, double share) {

@@ -8,7 +8,7 @@
 
 #include "ductile/coupling/body.hpp"
 #include "ductile/fluid/fluid.hpp"
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 #include "response_kernel.hpp"
 
 namespace ductile::coupling {
@@ -21,7 +21,7 @@ class MarkerResponse final : public Response {
  public:
   /// `set` must be available; results do not depend on it.
   explicit MarkerResponse(fluid::Mirror mirror = fluid::Mirror::none,
-                          fluid::InstructionSet set = fluid::best_instruction_set());
+                          InstructionSet set = best_instruction_set());
   /// Where the markers are until the next call; 3n numbers, not kept. The fluid receives `share` of
   /// their force, Host::share.
   void locate(std::span<const double> positions, double share = 1);

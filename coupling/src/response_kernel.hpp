@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 
 namespace ductile::coupling {
 
@@ -36,6 +36,6 @@ const ResponseKernel& response_kernel();
 }
 
 /// `set` must be available.
-const ResponseKernel& response_kernel(fluid::InstructionSet set);
+const ResponseKernel& response_kernel(InstructionSet set);
 
 }  // namespace ductile::coupling

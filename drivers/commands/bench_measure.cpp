@@ -15,7 +15,7 @@
 #include "ductile/fluid/bench.hpp"
 #include "ductile/fluid/d3q19.hpp"
 #include "ductile/fluid/fluid.hpp"
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/suspension/suspension.hpp"
 #include "output/json.hpp"
@@ -334,7 +334,7 @@ BenchResult measure(const BenchOptions& options, MPI_Comm comm) {
   result.nodes = {options.nodes, options.nodes, 6 * options.nodes};
   result.ranks = ranks;
   result.cores = core_count();
-  result.instruction_set = fluid::name(fluid::best_instruction_set());
+  result.instruction_set = name(best_instruction_set());
   const suspension::Plan plan = pair(options.nodes, precisions.front());
   result.triangles = static_cast<int>(surface::triangle_count(plan.bodies.front().frequency));
   Bench bench(options, comm);

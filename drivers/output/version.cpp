@@ -11,7 +11,7 @@
 #include <array>
 #include <string_view>
 
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 
 namespace ductile::drivers {
 
@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, std::string>> versions() {
   const std::string compiler = fmt::format("g++ {}", __VERSION__);
 #endif
   return {{"ductile", DUCTILE_VERSION},
-          {"kernel", std::string(fluid::name(fluid::best_instruction_set()))},
+          {"kernel", std::string(name(best_instruction_set()))},
           {"compiler", compiler},
           {"MPI", std::string(mpi_text)},
           {"PETSc", fmt::format("{}.{}.{}", major, minor, patch)},

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ductile/fluid/d3q19.hpp"
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 
 namespace ductile::fluid {
 

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 
 namespace ductile::fluid {
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "force.hpp"
 #include "shell_math.hpp"
 
 namespace ductile::membrane {
@@ -85,6 +86,7 @@ Shell::Shell(const surface::Mesh& reference, const Moduli& moduli, const ShellOp
     }
   }
   vertex_areas_ = surface::vertex_areas(reference);
+  make_force(options.instruction_set);
 
   if (options.open_sheet && moduli.k_v > 0) {
     throw std::invalid_argument("shell: an open sheet encloses no volume: k_v = " +
@@ -159,6 +161,24 @@ void Shell::build_hinges(const ShellOptions& options) {
   }
 }
 
+void Shell::make_force(InstructionSet set) {
+  std::vector<Force::Triangle> triangles;
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto& [v0, v1, v2] = triangles_[t];
+    const Element& e = elements_[t];
+    triangles.push_back({{v0, v1, v2},
+                         {e.hinges[0], e.hinges[1], e.hinges[2]},
+                         e.a11,
+                         e.a12,
+                         e.a22,
+                         e.inverse_det,
+                         e.area});
+  }
+  std::vector<Force::Edge> edges;
+  for (const Hinge& h : hinges_) edges.push_back({h.left, h.right, h.tail, h.head, h.cos0, h.sin0});
+  force_ = std::make_shared<Force>(triangles, edges, vertex_count_, set);
+}
+
 double Shell::update_normals(const double* x) const {
   const Vector3d origin = point(x, 0);  // near the shell, lest its distance cost digits
   double volume = 0;
@@ -205,52 +225,11 @@ Energies Shell::energies(Vec positions) const {
 }
 
 void Shell::force(Vec positions, Vec force) const {
-  const auto array = array_of<const double>(positions, vertex_count_);
-  const double* x = array.data();
-  const auto out = array_of<double>(force, vertex_count_);
-  double* f = out.data();
-
-  // dE_v/dV; dV/dx of a vertex is a sixth of the sum of the normals about it.
-  const double p = pressure(update_normals(x));
-
-  for (std::size_t h = 0; h < hinges_.size(); ++h) {
-    const Angle theta = angle(hinges_[h], x);
-    const double sine = theta.sin * hinges_[h].cos0 - theta.cos * hinges_[h].sin0;
-    moments_[h] = sqrt3 * moduli_.k_b * sine * theta.inverse_length;
-  }
-
-  std::fill(f, f + out.size(), 0.0);
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const auto& [v0, v1, v2] = triangles_[t];
-    const Element& e = elements_[t];
-    const Vector3d e1 = point(x, v1) - point(x, v0), e2 = point(x, v2) - point(x, v0);
-    const double g11 = e1.squaredNorm(), g12 = e1.dot(e2), g22 = e2.squaredNorm();
-    const Vector3d& normal = normals_[t];
-
-    // Strain: dE/de_i = s_ij e_j with the stress s = 2 A0 dW/dg = 2 A0 (W1 dI1/dg + W2 dI2/dg).
-    const double i1 = g11 * e.a11 + 2 * g12 * e.a12 + g22 * e.a22 - 2;
-    const double i2 = normal.squaredNorm() * e.inverse_det - 1;
-    const Density density = strain_density(moduli_, i1, i2);
-    const double c1 = 2 * e.area * density.w1, c2 = 2 * e.area * density.w2 * e.inverse_det;
-    const double s11 = c1 * e.a11 + c2 * g22;
-    const double s12 = c1 * e.a12 - c2 * g12;
-    const double s22 = c1 * e.a22 + c2 * g11;
-
-    // Bending: this triangle's part of dtheta/dx of its edges is along its normal n. With the
-    // edge k, of length l, facing vertex k,
-    //   dtheta/dx_k = -(l/n^2) n,   dtheta/dx_i = (p_j/(l n^2)) n,   p_i = e_ij . e_ik,
-    // for its ends i and j; l^2 = p_i + p_j. The moments hold (dE/dtheta)/l.
-    const double p0 = g12, p1 = g11 - g12, p2 = g22 - g12;
-    const double m0 = moments_[e.hinges[0]], m1 = moments_[e.hinges[1]], m2 = moments_[e.hinges[2]];
-    const double b01 = p2 * (m1 - m0), b12 = p0 * (m2 - m1), b20 = p1 * (m0 - m2);
-    const double scale = inverse_norms_[t] * inverse_norms_[t];
-    const double b0 = (b01 - b20) * scale, b1 = (b12 - b01) * scale, b2 = (b20 - b12) * scale;
-
-    const Vector3d strain1 = s11 * e1 + s12 * e2, strain2 = s12 * e1 + s22 * e2;
-    Vector3d::Map(f + 3 * v0) += strain1 + strain2 - (b0 + p / 6) * normal;
-    Vector3d::Map(f + 3 * v1) -= strain1 + (b1 + p / 6) * normal;
-    Vector3d::Map(f + 3 * v2) -= strain2 + (b2 + p / 6) * normal;
-  }
+  const auto x = array_of<const double>(positions, vertex_count_);
+  const auto f = array_of<double>(force, vertex_count_);
+  const double p = pressure(force_->start(x.data()));
+  force_->finish({moduli_.law == StrainLaw::skalak, moduli_.k_s, moduli_.k_a, sqrt3 * moduli_.k_b},
+                 p, f.data());
 }
 
 Shape Shell::shape(Vec positions) const {

@@ -19,14 +19,13 @@ TEST(Response, IsTheSameWithEachInstructionSet) {
   const std::vector<double> x = random_numbers(3 * markers, 1.0, 8.0, 12);
   const std::vector<double> force = random_numbers(3 * markers, -1, 1, 13);
   std::vector<double> expected;
-  for (const auto set : {fluid::InstructionSet::baseline, fluid::InstructionSet::avx2,
-                         fluid::InstructionSet::avx512}) {
-    if (!fluid::available(set)) continue;
+  for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!available(set)) continue;
     MarkerResponse response(fluid::Mirror::none, set);
     response.locate(x);
     std::vector<double> velocity(3 * markers);
     response.apply(force, velocity);
-    if (set == fluid::InstructionSet::baseline) {
+    if (set == InstructionSet::baseline) {
       expected = velocity;
       EXPECT_GT(*std::max_element(velocity.begin(), velocity.end()), 0);
     }

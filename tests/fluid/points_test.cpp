@@ -16,6 +16,9 @@
 namespace {
 
 using namespace ductile::fluid;
+using ductile::available;
+using ductile::best_instruction_set;
+using ductile::InstructionSet;
 using ductile::test::patches;
 using ductile::testing_support::random_numbers;
 

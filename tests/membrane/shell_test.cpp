@@ -31,6 +31,17 @@ class EachTerm : public testing::TestWithParam<Case> {
   test::Random random_;
   const Points x_ = test::perturbed(reference_.vertices, .05 * mean_edge(reference_), random_);
 };
+// What a lesser machine would run gives the same bits.
+TEST_P(EachTerm, ForceIsTheSameWithEachInstructionSet) {
+  for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!available(set)) continue;
+    ShellOptions options = GetParam().options;
+    options.instruction_set = set;
+    const Shell shell(reference_, GetParam().moduli, options);
+    EXPECT_EQ(test::forces(shell, x_), test::forces(shell_, x_)) << name(set);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Shell, EachTerm,
     testing::Values(Case{"Skalak", {.k_s = 1, .k_a = 2}, {}},

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ductile/fluid/instruction_set.hpp"
+#include "ductile/instruction_set.hpp"
 
 namespace ductile::fluid {
 

@@ -11,10 +11,13 @@
 #include <span>
 #include <vector>
 
+#include "ductile/instruction_set.hpp"
 #include "ductile/membrane/petsc.hpp"
 #include "ductile/surface/mesh.hpp"
 
 namespace ductile::membrane {
+
+class Force;
 
 /// In-plane strain energy density W(I1, I2), I1 = l1^2 + l2^2 - 2, I2 = (l1 l2)^2 - 1, with l1 and
 /// l2 the principal stretches; eqs. (8) and (9).
@@ -37,6 +40,8 @@ struct ShellOptions {
   bool flat_reference_angles = false;
   /// The mesh is a sheet with a rim, whose edges do not bend. It encloses nothing: k_v must be 0.
   bool open_sheet = false;
+  /// Whose vectors force() computes with; it must be available. The same bits with each.
+  InstructionSet instruction_set = best_instruction_set();
 };
 
 /// Energies of a shell, eqs. (7), (10) and (11).
@@ -130,6 +135,7 @@ class Shell {
 
   void build_elements(const surface::Mesh& reference);
   void build_hinges(const ShellOptions& options);
+  void make_force(InstructionSet set);
   // Fills normals_ and inverse_norms_; returns the enclosed volume.
   double update_normals(const double* x) const;
   // k_v (V - V0)/V0, or 0.
@@ -151,6 +157,7 @@ class Shell {
   bool open_sheet_;
   mutable std::shared_ptr<const TangentPattern> tangent_pattern_;  // made when first needed
 
+  std::shared_ptr<Force> force_;
   // Work space: the normal e1 x e2 of each triangle and 1/|e1 x e2|; dE/dtheta over its length for
   // each edge, and a last one, 0, for a sheet's rim.
   mutable std::vector<Eigen::Vector3d> normals_;
