@@ -11,11 +11,12 @@ import sys
 # Whom each room may include. A room is a folder with sources; "membrane/surface" is the library
 # ductile::surface, "drivers/suspension" the library ductile::suspension.
 MAY = {
-    "fluid": set(),
+    "fluid/instruction_set": set(),
+    "fluid": {"fluid/instruction_set"},
     "membrane/surface": set(),
-    "membrane": {"membrane/surface"},
+    "membrane": {"membrane/surface", "fluid/instruction_set"},
     "rigid": {"membrane/surface"},
-    "coupling": {"fluid"},
+    "coupling": {"fluid", "fluid/instruction_set"},
     "drivers/suspension": {"fluid", "membrane", "membrane/surface", "rigid", "coupling"},
 }
 LIBRARIES = set(MAY)

@@ -124,13 +124,11 @@ BoxSize box_around(const suspension::BodyPlan& body) {
   // The kernel's reach, and the margin that fluid::Fluid::box_around() leaves.
   constexpr double across = 6;
   constexpr double along = 8;
-  constexpr double vector = 8;  // along z a box has whole ones
   const auto width = [&body](int axis) {
     return std::ceil(2 *
                      body.shape->extent(body.rotation.transpose() * Eigen::Vector3d::Unit(axis)));
   };
-  return {(width(0) + across) * (width(1) + across),
-          std::ceil((width(2) + along) / vector) * vector};
+  return {(width(0) + across) * (width(1) + across), width(2) + along};
 }
 
 int core_count() {

@@ -15,8 +15,8 @@
 #include "ductile/fluid/bench.hpp"
 #include "ductile/fluid/d3q19.hpp"
 #include "ductile/fluid/fluid.hpp"
-#include "ductile/instruction_set.hpp"
 #include "ductile/fluid/mpi.hpp"
+#include "ductile/instruction_set.hpp"
 #include "ductile/suspension/suspension.hpp"
 #include "output/json.hpp"
 #include "scenario/errors.hpp"
@@ -79,7 +79,7 @@ std::array<fluid::Box, 2> boxes(int nodes) {
   const int across = nodes * 2 / 5 + 6;
   const int begin = (nodes - across) / 2;
   const fluid::Range range = {begin, begin + across};
-  const int along = (across + 7) / 8 * 8;
+  const int along = across + 2;
   return {fluid::Box{range, range, {2 * nodes, 2 * nodes + along}},
           fluid::Box{range, range, {3 * nodes, 3 * nodes + along}}};
 }

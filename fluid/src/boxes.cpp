@@ -30,15 +30,13 @@ Box FluidImpl::with_image(Box box) const {
 Box FluidImpl::box_around(const Box& reach) const {
   // How far the points may move before they leave the box: a node across the channel, two along it.
   constexpr std::array<int, 3> margin = {1, 1, 2};
-  constexpr int vector = 8;  // nodes of a vector in double, of half a one in single
   const Box allowed = domain();
   Box box = reach;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box[axis].begin -= margin[axis];
     box[axis].end += margin[axis];
     if (axis == 2 && period() > 0) {
-      const int whole_vectors = (box[axis].size() + vector - 1) / vector * vector;
-      box[axis].end = box[axis].begin + std::min(whole_vectors, period());
+      box[axis].end = box[axis].begin + std::min(box[axis].size(), period());
     } else {
       box[axis].begin = std::max(box[axis].begin, allowed[axis].begin);
       box[axis].end = std::min(box[axis].end, allowed[axis].end);
@@ -93,9 +91,7 @@ void FluidImpl::place_patches(int index) {
     patch.size = {box[0].size(), box[1].size(), end - begin};
     patch.pitch = patch.size[2] + 2 * Patch::pad;
     const auto count = static_cast<std::size_t>(patch.size[0] * patch.size[1] * patch.pitch);
-    patch.density.assign(count, 1.0);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      patch.momentum[axis].assign(count, 0.0);
       patch.force[axis].assign(count, 0.0);
       patch.velocity[axis].assign(count, 0.0);
     }
@@ -118,6 +114,13 @@ void FluidImpl::reached(int rank, std::span<const double> positions, std::vector
     if (!within(first, 4, planes, period())) split.push_back(points.size());
     points.push_back(static_cast<int>(m));
   }
+}
+
+void FluidImpl::make_moments(Patch& patch) {
+  if (!patch.density.empty()) return;
+  const std::size_t count = patch.force[0].size();
+  patch.density.assign(count, 1.0);
+  for (auto& momentum : patch.momentum) momentum.assign(count, 0.0);
 }
 
 void FluidImpl::list_met() {
@@ -211,6 +214,7 @@ void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<double>, 3
 void FluidImpl::update_velocity() {
   fold_force();
   for (Patch& patch : patches_) {
+    make_moments(patch);
     const int rows = patch.size[0] * patch.size[1];
     for (int r = 0; r < rows; ++r) {
       const std::ptrdiff_t first = r * patch.pitch + Patch::pad;

@@ -83,6 +83,8 @@ class FluidImpl {
            static_cast<std::size_t>(y);
   }
 
+  /// Room for a patch's density and momentum, which few bodies ask for.
+  static void make_moments(Patch& patch);
   void drop_force();
   /// The image of force below a mirror plane is added above it, along y on it cancelled.
   void fold_force();

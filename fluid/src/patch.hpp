@@ -26,8 +26,9 @@ struct Patch {
 
   std::array<std::vector<double>, 3> force;     ///< beyond the uniform one, for the next step
   std::array<std::vector<double>, 3> velocity;  ///< (momentum + force/2)/density
-  std::vector<double> density;                  ///< as of read_velocity(); 1 if it weighs nothing
-  std::array<std::vector<double>, 3> momentum;  ///< as of read_velocity()
+  /// As of read_velocity(), empty until it is called; 1 if the density weighs nothing.
+  std::vector<double> density;
+  std::array<std::vector<double>, 3> momentum;
 
   /// Its own, in [0, nz).
   [[nodiscard]] Range planes() const { return {begin[2], begin[2] + size[2]}; }

@@ -391,6 +391,7 @@ void Populations<Real, T>::read_velocity() {
   halo_.await_all();
   const Eigen::Vector3d half = 0.5 * force_;
   for (Patch& patch : patches_) {
+    make_moments(patch);
     const int begin = patch.begin[2] - slab_.begin;
     for (int i = 0; i < patch.size[0]; ++i) {
       for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
@@ -566,7 +567,10 @@ std::size_t Populations<Real, T>::memory() const {
   std::size_t bytes = slab_of_.bytes() + halo_.memory();
   for (const auto& slots : slots_) bytes += slots.size() * sizeof slots[0];
   bytes += (first_met_.size() + met_.size()) * sizeof(std::size_t);
-  for (const Patch& patch : patches_) bytes += 10 * sizeof(double) * patch.density.size();
+  for (const Patch& patch : patches_) {
+    const std::size_t arrays = patch.density.empty() ? 6 : 10;
+    bytes += arrays * sizeof(double) * patch.force[0].size();
+  }
   return bytes;
 }
 

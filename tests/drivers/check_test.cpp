@@ -251,13 +251,13 @@ TEST(Check, BodiesTakeTimeByTheirKind) {
 }
 
 // The 14.4 of a body of 7.2 dx are 15 nodes; the kernel and the box's margin add 6 across and 8
-// along, in whole vectors of 8.
+// along.
 TEST(Check, NodesAroundBodiesTakeTimeMoreIfBodiesAskForVelocities) {
   const double rows = 21 * 21;
-  const double nodes = rows * 24;
+  const double nodes = rows * 23;
   const BoxSize box = box_around(parse_case(body(""), "case.toml").plan.bodies[0]);
   EXPECT_EQ(box.rows, rows);
-  EXPECT_EQ(box.length, 24);
+  EXPECT_EQ(box.length, 23);
   EXPECT_NEAR(step_of(body("")).boxes, 4e-7 * rows + 1e-8 * nodes, 1e-12);
   const std::string rigid = "[[body]]\nkind = \"rigid\"\nz = 3\n";
   const double asked = 4e-7 * rows + (1e-8 + 3e-8 + 5 * 2e-8) * nodes;

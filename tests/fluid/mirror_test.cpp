@@ -89,10 +89,16 @@ void expect_same_patches(Fluid& half, Fluid& whole, int first_row, double round_
     const Patch& b = patches(whole)[p];
     ASSERT_EQ(a.size, b.size);
     ASSERT_EQ(a.begin[1] + first_row, b.begin[1]);
-    for (std::size_t n = 0; n < a.density.size(); ++n) {
-      ASSERT_NEAR(a.density[n], b.density[n], round_off) << when;
+    ASSERT_EQ(a.density.size(), b.density.size());
+    for (std::size_t n = 0; n < a.velocity[0].size(); ++n) {
+      const bool read = !a.density.empty();
+      if (read) {
+        ASSERT_NEAR(a.density[n], b.density[n], round_off) << when;
+      }
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        ASSERT_NEAR(a.momentum[axis][n], b.momentum[axis][n], round_off) << when << ' ' << axis;
+        if (read) {
+          ASSERT_NEAR(a.momentum[axis][n], b.momentum[axis][n], round_off) << when << ' ' << axis;
+        }
         ASSERT_NEAR(a.velocity[axis][n], b.velocity[axis][n], round_off) << when << ' ' << axis;
       }
     }

@@ -55,6 +55,29 @@ Plan everything(fluid::Precision precision) {
   return plan;
 }
 
+// In the order of their places along the channel, wherever in the plan they are and in whichever
+// image, as many on each rank as on the next; one that is alone in the middle of the ranks.
+TEST(Suspension, BodiesBelongToRanksNearThem) {
+  Plan plan = channel({20, 20, 80});
+  const auto owners_of = [&plan](const std::vector<double>& places, int ranks) {
+    plan.bodies.clear();
+    for (const double z : places)
+      plan.bodies.push_back(body(plan, std::to_string(z), "sphere", {0, 0, z}));
+    return owners(plan, ranks);
+  };
+  using Owners = std::vector<int>;
+  EXPECT_EQ(owners_of({0.6, -0.6}, 1), (Owners{0, 0}));
+  EXPECT_EQ(owners_of({0.6, -0.6}, 2), (Owners{1, 0}));
+  EXPECT_EQ(owners_of({-0.6, 0.6}, 2), (Owners{0, 1}));
+  EXPECT_EQ(owners_of({4.6, -4.6}, 2), (Owners{0, 1}));  // -3.4 and 3.4: the channel is 8 long
+  EXPECT_EQ(owners_of({-3, 3, -1, 1}, 4), (Owners{0, 3, 1, 2}));
+  EXPECT_EQ(owners_of({-3, 3, -1, 1}, 2), (Owners{0, 1, 0, 1}));
+  EXPECT_EQ(owners_of({-1, 1, 0}, 2), (Owners{0, 1, 1}));
+  EXPECT_EQ(owners_of({-3.5}, 3), Owners{1});
+  EXPECT_EQ(owners_of({-2, 2}, 8), (Owners{2, 6}));
+  EXPECT_EQ(owners_of({}, 2), Owners{});
+}
+
 // Spheres, where gaps are known but for what a mesh lies within its sphere: e^2/(6 R), and once
 // more where another mesh is across.
 void check_gaps(const std::variant<CapsulePlan, RigidPlan>& kind) {

@@ -177,8 +177,8 @@ class Fluid {
   void initialise(const std::function<NodeState(int, int, int)>& state);
 
   /// The box to place for points that reach the nodes of `reach`, which domain() holds and which is
-  /// no longer than a periodic channel: with room for the points to move by a node or two, of a
-  /// length that is quick to compute, and with the images of its nodes below a mirror plane.
+  /// no longer than a periodic channel: with room for the points to move by a node or two, and
+  /// with the images of its nodes below a mirror plane.
   [[nodiscard]] Box box_around(const Box& reach) const;
   /// Replaces the boxes in which points act, one for each body or group of points; they may
   /// overlap. Force in them is zero. Every rank is given all boxes and keeps what is its own. Not
