@@ -76,7 +76,7 @@ struct Stencils {
 // Calls f(m, base, phi) for all points.
 template <class F>
 [[gnu::always_inline]] inline void for_stencils(const double* x, std::size_t count, F&& f) {
-  Stencils stencils;
+  Stencils stencils{};
   for (std::size_t first = 0; first < count; first += Stencils::most) {
     const std::size_t some = count - first < Stencils::most ? count - first : Stencils::most;
     stencils.locate(x + 3 * first, some);
