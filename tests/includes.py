@@ -17,8 +17,8 @@ MAY = {
     "membrane": {"membrane/surface", "fluid/instruction_set"},
     "rigid": {"membrane/surface"},
     "coupling": {"fluid", "fluid/instruction_set"},
-    "drivers/suspension": {"fluid", "membrane", "membrane/surface", "rigid", "coupling"},
 }
+MAY["drivers/suspension"] = set(MAY)
 LIBRARIES = set(MAY)
 MAY["drivers/scenario"] = LIBRARIES
 MAY["drivers/analysis"] = LIBRARIES

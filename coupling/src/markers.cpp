@@ -111,8 +111,9 @@ void Markers::interpolate(Round round) {
   watch_.lap(Part::exchange);
 }
 
-// Guests answer with the velocity of each marker, where they hold all four planes that it reaches,
-// and of the others with the four terms, which the owner adds up in the same order.
+// Guests answer with three numbers for each marker, its velocity where they hold all four planes
+// that it reaches and of no meaning elsewhere, and then with the four terms of those others, which
+// the owner adds up in the same order.
 void Markers::to_hosts(Round round) {
   std::vector<MPI_Request> requests;
   for (Route& route : routes_) {

@@ -22,10 +22,10 @@ constexpr double kilobyte = 1024;
 
 // Measured with heap profiles of runs; upper bounds rather than means.
 constexpr double halos = 1.1;         // slabs have planes of their neighbours
-constexpr double box_node = 48;       // force and velocity
+constexpr double box_node = 80;       // force and velocity, density and momentum
 constexpr double rigid_vertex = 600;  // bytes
-constexpr double explicit_vertex = 2000;
-constexpr double implicit_vertex = 12000;  // its tangent has a row of some 40 blocks of 3 x 3
+constexpr double explicit_vertex = 2400;
+constexpr double implicit_vertex = 12400;  // its tangent has a row of some 40 blocks of 3 x 3
 constexpr double kept_node = 32;   // a checkpoint: a population as it comes, put in order, narrow
 constexpr double shown_node = 64;  // a frame: density and velocity as they come, and in order
 

@@ -74,6 +74,7 @@ class Points::Impl {
       const auto& u = patch.velocity;
       const auto field = field_of<const double>(patch, {u[0].data(), u[1].data(), u[2].data()});
       kernel_.interpolate(x_.data(), count_, field, fluid_.period(), velocity);
+      if (part_.empty()) continue;
       kernel_.interpolate_planes(part_x_.data(), part_.size(), field, fluid_.period(),
                                  part_sums_.data());
     }

@@ -159,6 +159,7 @@ template <class F>
   for (int axis = 0; axis < 3; ++axis) f(axis, z * u[axis]);
 }
 
+// Sums as sum_of_planes() does, which other ranks use for what they have in parts.
 void interpolate(const double* x, std::size_t count, const PatchField<const double>& field,
                  int period, double* velocity) {
   for_stencils(

@@ -33,7 +33,7 @@ struct ForceElements {
   const double* sin0;
 };
 
-/// W1 and W2 of the strain energy density are
+/// W1 and W2 of the strain energy density, as strain_density() in shell_math.hpp has them, are
 ///   (k_s (I1 + 1), k_a I2 - k_s)/6 by Skalak's law, (k_s, -k_s/(I2 + 1)^2)/6 of a neo-Hookean
 ///   shell.
 struct ForceModuli {

@@ -34,6 +34,19 @@ void validate(const Moduli& moduli) {
   }
 }
 
+ForceModuli force_moduli(const Moduli& moduli) {
+  const auto with = [&](bool skalak) {
+    return ForceModuli{skalak, moduli.k_s, moduli.k_a, sqrt3 * moduli.k_b};
+  };
+  switch (moduli.law) {
+    case StrainLaw::skalak:
+      return with(true);
+    case StrainLaw::neo_hookean:
+      break;
+  }
+  return with(false);
+}
+
 std::string quoted(const std::array<int, 3>& triangle) {
   return "(" + std::to_string(triangle[0]) + ", " + std::to_string(triangle[1]) + ", " +
          std::to_string(triangle[2]) + ")";
@@ -228,8 +241,7 @@ void Shell::force(Vec positions, Vec force) const {
   const auto x = array_of<const double>(positions, vertex_count_);
   const auto f = array_of<double>(force, vertex_count_);
   const double p = pressure(force_->start(x.data()));
-  force_->finish({moduli_.law == StrainLaw::skalak, moduli_.k_s, moduli_.k_a, sqrt3 * moduli_.k_b},
-                 p, f.data());
+  force_->finish(force_moduli(moduli_), p, f.data());
 }
 
 Shape Shell::shape(Vec positions) const {

@@ -13,10 +13,10 @@ namespace ductile::coupling {
 enum class Part : std::size_t {
   fluid,          ///< collision, streaming, and the exchange of halos
   boxes,          ///< velocities for bodies that ask for them; laying boxes anew
-  locating,       ///< which markers reach which ranks, and their kernel weights
-  interpolation,  ///< eq. (15)
+  locating,       ///< which markers reach which ranks
+  interpolation,  ///< eq. (15), and the kernel's weights
   bodies,         ///< the bodies' own work: predict_force, correct_force, advance
-  spreading,      ///< eq. (16)
+  spreading,      ///< eq. (16), and the kernel's weights
   exchange,       ///< markers' positions, forces and velocities sent, awaited and put in order
   waiting         ///< for the slowest rank, at the end of the step
 };

@@ -70,8 +70,8 @@ struct Shape {
 
 /// An elastic shell of P1 finite elements, unstressed in its reference mesh: its reference metric,
 /// angles theta0 and volume V0 are those of the mesh as given. Positions and forces are sequential
-/// PETSc vectors of 3n numbers, interlaced, block size 3. Its physics never changes; its calls
-/// share work space, so one thread at a time. No call is collective beyond PETSC_COMM_SELF. Sums
+/// PETSc vectors of 3n numbers, interlaced, block size 3. Its physics never changes; its calls,
+/// and those of its copies, share work space, so one thread at a time. No call is collective beyond PETSC_COMM_SELF. Sums
 /// run in the order of the mesh's triangles and are the same, to the last bit, whenever repeated.
 class Shell {
  public:
