@@ -3,35 +3,12 @@
 // function with external linkage might be linked from here into code for a lesser machine.
 #include "stencil_kernel.hpp"
 
-#ifdef __AVX__
-#include <immintrin.h>
-#endif
+#include "lanes.hpp"
 
 namespace ductile::fluid {
 namespace {
 
-// Four numbers side by side.
-using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
 using IntLanes [[gnu::vector_size(4 * sizeof(int))]] = int;
-
-[[gnu::always_inline]] inline Lanes load(const double* from) {
-  Lanes values;
-  __builtin_memcpy(&values, from, sizeof values);
-  return values;
-}
-template <class T, class V>
-[[gnu::always_inline]] inline void store(T* to, V values) {
-  __builtin_memcpy(to, &values, sizeof values);
-}
-
-[[gnu::always_inline]] inline Lanes root(Lanes values) {
-#ifdef __AVX__
-  return _mm256_sqrt_pd(values);
-#else
-  return Lanes{__builtin_sqrt(values[0]), __builtin_sqrt(values[1]), __builtin_sqrt(values[2]),
-               __builtin_sqrt(values[3])};
-#endif
-}
 
 // How some points meet the lattice: point m the nodes from base[3 m + axis] to 3 beyond, with phi,
 // eq. (17), at each of them from phi[12 m + 4 axis] on. It is cheaper to compute for a few points
@@ -49,17 +26,10 @@ struct Stencils {
     const Lanes square = 1 + 4 * r - 4 * r * r;
     const Lanes s = root(square > 0 ? square : Lanes{});
     store(base + n, __builtin_convertvector(node - 1, IntLanes));
-    const Lanes p[4] = {0.125 * (3 - 2 * r - s), 0.125 * (3 - 2 * r + s), 0.125 * (1 + 2 * r + s),
-                        0.125 * (1 + 2 * r - s)};
-    const Lanes even01 = __builtin_shufflevector(p[0], p[1], 0, 4, 2, 6);
-    const Lanes even23 = __builtin_shufflevector(p[2], p[3], 0, 4, 2, 6);
-    const Lanes odd01 = __builtin_shufflevector(p[0], p[1], 1, 5, 3, 7);
-    const Lanes odd23 = __builtin_shufflevector(p[2], p[3], 1, 5, 3, 7);
-    double* to = phi + 4 * n;
-    store(to, __builtin_shufflevector(even01, even23, 0, 1, 4, 5));
-    store(to + 4, __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5));
-    store(to + 8, __builtin_shufflevector(even01, even23, 2, 3, 6, 7));
-    store(to + 12, __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7));
+    Lanes p[4] = {0.125 * (3 - 2 * r - s), 0.125 * (3 - 2 * r + s), 0.125 * (1 + 2 * r + s),
+                  0.125 * (1 + 2 * r - s)};
+    transpose(p);
+    for (std::size_t k = 0; k < 4; ++k) store(phi + 4 * (n + k), p[k]);
   }
 
   [[gnu::always_inline]] void locate(const double* x, std::size_t count) {

@@ -3,34 +3,12 @@
 // function with external linkage might be linked from here into code for a lesser machine.
 #include "force_kernel.hpp"
 
-#ifdef __AVX__
-#include <immintrin.h>
-#endif
+#include "lanes.hpp"
 
 namespace ductile::membrane {
 namespace {
 
-// A number of four triangles, or of four edges.
-using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
-
-[[gnu::always_inline]] inline Lanes load(const double* from) {
-  Lanes values;
-  __builtin_memcpy(&values, from, sizeof values);
-  return values;
-}
-[[gnu::always_inline]] inline void store(double* to, Lanes values) {
-  __builtin_memcpy(to, &values, sizeof values);
-}
-
-[[gnu::always_inline]] inline Lanes root(Lanes values) {
-#ifdef __AVX__
-  return _mm256_sqrt_pd(values);
-#else
-  return Lanes{__builtin_sqrt(values[0]), __builtin_sqrt(values[1]), __builtin_sqrt(values[2]),
-               __builtin_sqrt(values[3])};
-#endif
-}
-
+// Lanes are a number of four triangles, or of four edges.
 struct Vector {
   Lanes x, y, z;
 };
@@ -48,18 +26,6 @@ struct Vector {
 }
 [[gnu::always_inline]] inline Vector cross(const Vector& a, const Vector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-// Rows become columns.
-[[gnu::always_inline]] inline void transpose(Lanes (&rows)[4]) {
-  const Lanes even01 = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6);
-  const Lanes odd01 = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
-  const Lanes even23 = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6);
-  const Lanes odd23 = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
-  rows[0] = __builtin_shufflevector(even01, even23, 0, 1, 4, 5);
-  rows[1] = __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5);
-  rows[2] = __builtin_shufflevector(even01, even23, 2, 3, 6, 7);
-  rows[3] = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
 }
 
 // What four vertices or triangles have: a vector, and the fourth number.
