@@ -21,7 +21,6 @@ namespace {
 
 using suspension::Plan;
 
-constexpr double largest_mach = 0.3;
 constexpr double wall_gap = suspension::kernel_reach;
 constexpr double body_gap = 1;
 constexpr double image_gap = 5;
@@ -77,14 +76,14 @@ void check_mach(const Case& given) {
   if (plan.mach() <= largest_mach) return;
   const auto [low, high] = plan.wall_velocity();
   const bool flow = plan.u_max >= std::max(std::abs(low), std::abs(high));
+  const double nodes = std::ceil(given.scenario.channel.nodes * plan.mach() / largest_mach) + 1;
   throw ScenarioError(
       flow ? "channel.reynolds" : "channel.wall_velocity",
-      fmt::format(
-          "makes the Mach number {:.2g}, at most {} is sound: raise channel.nodes to {} "
-          "or lower fluid.tau",
-          plan.mach(), largest_mach,
-          static_cast<int>(std::ceil(given.scenario.channel.nodes * plan.mach() / largest_mach)) +
-              1));
+      fmt::format("makes the Mach number {:.2g}, at most {} is sound: {}", plan.mach(),
+                  largest_mach,
+                  nodes <= most_nodes
+                      ? fmt::format("raise channel.nodes to {:.0f} or lower fluid.tau", nodes)
+                      : "lower it"));
 }
 
 /// What the coupling needs. The kernel reaches two nodes beyond a marker: not onto a wall's own

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "scenario/difference.hpp"
@@ -274,6 +275,7 @@ void Recorder::save(NewCheckpoint& checkpoint, const Course& course) {
 
 void Recorder::write(const Summary& summary) {
   trajectory_->flush();
+  if (surfaces_) surfaces_->flush();
   write_summary(directory_.summary(), summary);
 }
 
@@ -301,10 +303,23 @@ void Recorder::make_surfaces(std::vector<Frame> frames) {
 }
 
 Recorder::Finding Recorder::take(const suspension::Sample& sample) {
+  warn_of_speed(sample);
   trajectory_->write(sample);
   samples_.push_back(sample);
   judge(sample);
   return found();
+}
+
+// Once. What is too fast at the start has been refused.
+void Recorder::warn_of_speed(const suspension::Sample& sample) {
+  static constexpr std::string_view begin = "too fast for the lattice";
+  if (sample.mach <= largest_mach ||
+      std::ranges::any_of(warnings_, [](const auto& text) { return text.starts_with(begin); }))
+    return;
+  warn(
+      fmt::format("{}: at t = {:.4g} bodies or walls are at Mach number {:.2f}, at most {} is "
+                  "sound: raise channel.nodes or lower fluid.tau",
+                  begin, sample.time, sample.mach, largest_mach));
 }
 
 void Recorder::judge(const suspension::Sample& sample) {

@@ -87,6 +87,7 @@ class Recorder {
                                                  const membrane::SolveStatistics& solver,
                                                  std::vector<std::string>& warnings) const;
 
+  void warn_of_speed(const suspension::Sample& sample);
   void judge(const suspension::Sample& sample);
   void go_on(const Checkpoint& checkpoint);
   [[nodiscard]] bool frames_wanted() const;

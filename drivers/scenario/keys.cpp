@@ -229,7 +229,7 @@ const std::vector<Key<Scenario>>& root_keys() {
 const std::vector<Key<ChannelOptions>>& channel_keys() {
   using C = ChannelOptions;
   static const std::vector<Key<C>> keys = {
-      whole("nodes", &C::nodes, between(8, 4096), "",
+      whole("nodes", &C::nodes, between(8, most_nodes), "",
             "Nodes N across the width 2W along x; see walls for what W then is"),
       choice<C, fluid::Boundary>(
           "walls", &C::walls,

@@ -8,6 +8,10 @@
 
 namespace ductile::drivers {
 
+/// The most that is sound, errors of compressibility going as its square: a case that starts with
+/// more is refused, a run that comes to more warns.
+constexpr double largest_mach = 0.3;
+
 /// When a run ends and what it writes on the way, in time steps. Intervals are not whole: what is
 /// due every 0.05 W^2/nu is written at the steps nearest to 0.05, 0.1, 0.15 ..., at any resolution.
 /// 0 is never.

@@ -21,6 +21,9 @@ enum class BodyKind { capsule, rigid };
 /// What the fluid's lattice moves with along z.
 enum class LatticeFrame { walls, bodies };
 
+/// Nodes that a channel may have across.
+constexpr int most_nodes = 4096;
+
 /// [channel]: |x| < 1, |y| < half_width_y, periodic along z.
 struct ChannelOptions {
   int nodes = 36;

@@ -1,6 +1,7 @@
 // A run inside of another program: what it leaves behind is in its directory, and nowhere else.
 #include "run/run.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
@@ -192,6 +193,42 @@ TEST_F(Run, GoesOnAfterACrossingWhereThatIsWanted) {
   ASSERT_EQ(result.summary->contacts.size(), 1U);
   EXPECT_TRUE(result.summary->contacts[0].crossed);
   EXPECT_LT(result.summary->contacts[0].time, 0.5);
+}
+
+// What falls gathers speed: no case can be refused for it.
+TEST_F(Run, WarnsOnceOfWhatBecomesTooFastForTheLattice) {
+  const std::string stone = R"(
+channel.nodes = 16
+channel.length = 3
+channel.reynolds = 0
+channel.gravity = [0, 0, -1500]
+run.time_limit = 0.1
+output.every = 0.001
+body = [{name = "stone", kind = "rigid", density_ratio = 4}]
+)";
+  const auto warnings = [](const RunResult& result) {
+    std::vector<std::string> all;
+    for (const std::string& text : result.summary->warnings) {
+      if (text.starts_with("too fast for the lattice")) all.push_back(text);
+    }
+    return all;
+  };
+  const RunResult falling = run(parse_case(stone, "stone.toml"));
+  ASSERT_TRUE(falling.summary);
+  // Of the lattice at rest: 3^(1/2) v, a unit of velocity being 1/(6 . 8) of a spacing a step.
+  const auto first = std::ranges::find_if(falling.samples, [](const suspension::Sample& sample) {
+    return std::sqrt(3.0) * -sample.bodies[0].velocity().z() / 48 > 0.3;
+  });
+  ASSERT_NE(first, falling.samples.end());
+  ASSERT_GT(first, falling.samples.begin() + 2);
+  ASSERT_EQ(warnings(falling).size(), 1U);
+  EXPECT_NE(warnings(falling)[0].find(fmt::format("at t = {:.4g} ", first->time)),
+            std::string::npos)
+      << warnings(falling)[0];
+  const RunResult slow =
+      run(parse_case(stone, "stone.toml", {{"channel.gravity", "[0, 0, -150]", "--set"}}));
+  ASSERT_TRUE(slow.summary);
+  EXPECT_TRUE(warnings(slow).empty());
 }
 
 TEST_F(Run, EndsWhereABodyComesToAWall) {

@@ -402,6 +402,10 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
       {"[channel]\nwall_velocity = [0, -60]\nside_walls = false\n",
        "case.toml:2:17: channel.wall_velocity = [0, -60]: makes the Mach number 0.96, at most 0.3 "
        "is sound: raise channel.nodes to 117 or lower fluid.tau"},
+      {"[channel]\nwall_velocity = [0, 1e12]\nside_walls = false\n",
+       "case.toml:2:17: channel.wall_velocity = [0, 1000000000000.0]: makes the Mach number "
+       "1.6e+10, at "
+       "most 0.3 is sound: lower it"},
       {"[[body]]\nname = \"a\"\n",
        "case.toml:1:1: body.a.laplace: is missing: state the capsule's softness La = k_s a/(rho "
        "nu^2)"},

@@ -84,11 +84,11 @@ std::int64_t Plan::node_count() const {
   return static_cast<std::int64_t>(fluid.nodes[0]) * fluid.nodes[1] * fluid.nodes[2];
 }
 
-double Plan::mach() const {
+double Plan::mach(double lattice_velocity) const {
   const auto [low, high] = wall_velocity();
   double fastest = 0;
   for (const double u : {0.0, u_max, low, high})
-    fastest = std::max(fastest, std::abs(u - fluid.lattice_velocity));
+    fastest = std::max(fastest, std::abs(u - lattice_velocity));
   return std::sqrt(3.0) * fastest;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <climits>
+#include <cmath>
 #include <exception>
 #include <numeric>
 #include <stdexcept>
@@ -115,7 +116,14 @@ Sample Suspension::sample() {
   all.time = time();
   const double halves = plan_.fluid.mirror == fluid::Mirror::none ? 1 : 2;
   const double cross_section = 4 * plan_.units.half_width() * plan_.half_width_y();
-  all.flow_rate = plan_.units.flow_rate(halves * flow + fluid_.motion().velocity * cross_section);
+  const double lattice_velocity = fluid_.motion().velocity;
+  all.flow_rate = plan_.units.flow_rate(halves * flow + lattice_velocity * cross_section);
+  all.mach = plan_.mach(lattice_velocity);
+  for (const BodySample& body : all.bodies) {
+    const Eigen::Vector3d u = plan_.units.lattice_velocity(1) * body.velocity() -
+                              lattice_velocity * Eigen::Vector3d::UnitZ();
+    all.mach = std::max(all.mach, std::sqrt(3.0) * u.norm());
+  }
   if (all.bodies.size() > 2) {
     std::vector<double> z;
     for (const BodySample& body : all.bodies) z.push_back(body.position().z());

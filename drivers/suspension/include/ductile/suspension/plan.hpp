@@ -121,8 +121,10 @@ struct Plan {
             fluid.wall_velocity[0][1].z() + fluid.lattice_velocity};
   }
   [[nodiscard]] std::int64_t node_count() const;
-  /// Largest imposed velocity on the lattice at the start over the speed of sound 1/sqrt(3).
-  [[nodiscard]] double mach() const;
+  /// Largest imposed velocity over the speed of sound 1/sqrt(3), on a lattice with this velocity
+  /// or, by default, that of the start.
+  [[nodiscard]] double mach(double lattice_velocity) const;
+  [[nodiscard]] double mach() const { return mach(fluid.lattice_velocity); }
 };
 
 /// W in lattice spacings for a number of nodes across.

@@ -79,6 +79,8 @@ struct Sample {
   double flow_rate = 0;
   /// Of more than two bodies distances_ahead() [W], else nothing.
   std::vector<double> ahead{};
+  /// The largest Mach number on the lattice as it moves now: Plan::mach() or a body's.
+  double mach = 0;
 };
 
 /// From each body to the next one ahead along z, in a channel that repeats after `length`: not
