@@ -355,10 +355,11 @@ class Numbers(Whole):
         self.within(quantities.rectangular_equilibrium(self.study), RECTANGULAR[0] / 0.4, 5e-3)
 
     def test_when_a_slow_pair_would_part(self):
-        self.within(quantities.parting_time(self.study.pair("B4", 0.2, "clean")), 400, 1e-3)
-        self.within(quantities.parting_time(self.study.pair("M2", 0.4, "clean")), 30, 0.25)
-        self.assertIn("does not part",
-                      quantities.parting_time(self.study.pair("M1", 0.0, "clean")).reason)
+        def of(pair, x_lag):
+            return quantities.parting_time(self.study.pair(pair, x_lag, "clean"), pair, x_lag)
+        self.within(of("B4", 0.2), 400, 1e-3)
+        self.within(of("M2", 0.4), 30, 0.25)
+        self.assertIn("the pair is stable", of("M1", 0.0).reason)
 
     def test_paths_about_the_centre_of_mass(self):
         path = quantities.centre_of_mass_path(self.study.pair("M2", 0.0, "clean"))

@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import support  # noqa: F401  (finds the package)
 import numpy as np
@@ -133,6 +134,24 @@ class Differences(unittest.TestCase):
                      "0.01 k_s a^2 (lagging, settled)", "At 48 nodes it is stable",
                      "The verdict changes with the resolution"):
             self.assertIn(said, entry["explanation"])
+
+    def test_a_number_that_a_pair_has_not_is_undecided(self):
+        for method in METHODS:
+            self.rewrite("B4", 0.2, method, "damped")
+            self.rewrite("M1", 0.2, method, "unstable")
+        _, found = self.entry("B4", 0.2)
+        numbers = {number["id"]: number for number in found["numbers"]}
+        for name, why in (("B4-parting", "the pair is damped: as told"),
+                          ("dz-M1-0.2", "the pair is unstable: as told")):
+            self.assertEqual((numbers[name]["outcome"], numbers[name]["ours"]), ("undecided", []))
+            self.assertIn(why, numbers[name]["remark"])
+
+    def test_a_cell_that_tilts_and_does_not_wobble_is_undecided(self):
+        for last, expected in (("resting", "undecided"), ("wobbling", "confirmed")):
+            with mock.patch.object(statements, "_kinds",
+                                   lambda _, last=last: ["tumbling", "tumbling", last]):
+                for name in ("fig12", "cell-lifts"):
+                    self.assertEqual(outcome(Study(self.directory), name), expected, name)
 
     def test_what_counts_as_the_papers_class(self):
         for pair, x_lag, verdict, expected in (

@@ -122,8 +122,9 @@ class Several(Directory):
 
 class Campaign(Directory):
     def write(self, axes=("body.lag.x", "channel.reynolds"), extra=""):
-        rows = [("a", -0.2, 10, "done", "stable", 1.31), ("b", 0.2, 10, "done", "unstable", 10),
-                ("c", -0.2, 20, "running", "", "")]
+        rows = [("a", -0.2, 10, "decided", "stable", 1.31),
+                ("b", 0.2, 10, "stopped at dz", "unstable", 10),
+                ("c", -0.2, 20, "unfinished", "", ""), ("d", 0.2, 20, "blew up", "stable", 1.2)]
         (self.work / "campaign.csv").write_text(
             "case,body.lag.x,channel.reynolds,state,verdict,dz[W]\n"
             + "".join(",".join(map(str, row)) + "\n" for row in rows) + extra)
@@ -136,14 +137,15 @@ class Campaign(Directory):
         figure, file = pictures.draw([self.work], as_map=True)
         self.assertEqual(file, self.work / "map")
         axes = figure.axes[0]
-        self.assertEqual(len(axes.patches), 3)
+        self.assertEqual(len(axes.patches), 4)
         self.assertEqual([label.get_text() for label in axes.get_xticklabels()], ["−0.2", "0.2"])
         self.assertEqual([label.get_text() for label in axes.get_yticklabels()], ["10", "20"])
         cells = {text.get_text(): (round(text.get_position()[0]), round(text.get_position()[1]))
                  for text in axes.texts}
         self.assertEqual(cells["stable"], (0, 0))
         self.assertEqual(cells["unstable"], (1, 0))
-        self.assertEqual(cells["running"], (0, 1))
+        self.assertEqual(cells["unfinished"], (0, 1))
+        self.assertEqual(cells["blew up"], (1, 1))  # and not stable, as it was until then
         self.assertEqual(cells[r"$\Delta z$ = 1.31"], (0, 0))
         self.assertIn("Re", axes.get_ylabel())
 

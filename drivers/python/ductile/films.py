@@ -10,6 +10,7 @@ or packages are missing; 1 where a film could not be written.
 import argparse
 import contextlib
 import errno
+import fcntl
 import os
 import shutil
 import subprocess
@@ -106,9 +107,12 @@ def _encoder(part, fps, size, said):
 def _write(pictures, file, fps, size):
     """Writes the film beside its place, and puts it there when it is whole. Raises OSError."""
     part = file.with_name(file.name + ".part")
-    with open(part, "wb"):  # says what is wrong with the place better than ffmpeg does
-        pass
-    with tempfile.TemporaryFile() as said:
+    # Says what is wrong with the place better than ffmpeg does, and keeps others from writing there.
+    with open(part, "ab") as held, tempfile.TemporaryFile() as said:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise DuctileError(f"{file}: another process is making it") from error
         encoder = _encoder(part, fps, size, said)
         try:
             try:

@@ -11,6 +11,9 @@ from .style import GREY, VERDICT_COLOURS
 # A sign for each verdict, which tells them apart in grey too.
 _SIGNS = {"stable": "o", "damped": "s", "bounded": "D", "unstable": "X", "undecided": "P"}
 
+# The states of cases whose runs have come to an end of their own, with which a verdict stands.
+_ENDS = ("decided", "finished", "stopped at dz", "time limit")
+
 
 def _number(text):
     try:
@@ -75,15 +78,17 @@ def draw(directory):
 
 
 def _draw_case(axes, row, x, y):
-    """A cell: the verdict's colour and sign, its name, and dz where the pair has ended."""
-    verdict = row.get("verdict", "")
+    """A cell: the verdict's colour and sign, its name, and dz where the pair has ended; of a run that
+    has not come to its own end, as one that blew up, what became of it."""
+    state = row.get("state", "")
+    verdict = row.get("verdict", "") if state in _ENDS else ""
     colour = VERDICT_COLOURS.get(verdict, "#bbbbbb")
     axes.add_patch(Rectangle((x - 0.47, y - 0.46), 0.94, 0.92, facecolor=colour, alpha=0.22,
                              edgecolor="none", zorder=1))
     if verdict in _SIGNS:
         axes.plot(x, y + 0.2, marker=_SIGNS[verdict], markersize=8, color=colour, zorder=3,
                   linestyle="none")
-    axes.text(x, y - 0.07, verdict or row.get("state", "") or "-", ha="center", va="center",
+    axes.text(x, y - 0.07, verdict or state or "-", ha="center", va="center",
               fontsize=9, color=colour if verdict in VERDICT_COLOURS else GREY, fontweight="bold")
     dz = _number(row.get("dz", ""))
     if dz is not None:

@@ -292,7 +292,8 @@ def _examples(study):
         for method in METHODS:
             for pair, x_lag in places:
                 case = study.pair(pair, x_lag, method)
-                if verdict not in found and case and case.summary.get("verdict") == verdict:
+                if verdict not in found and case and (
+                        quantities.class_of(case, pair, x_lag).verdict == verdict):
                     found[verdict] = case
     return found
 
@@ -684,7 +685,7 @@ def _describe_pairs(found, pairs, more):
         for pair, cases in own.items():
             lasts = [f"{_number(x)}: {case.run.series('dz')[1][-1]:.2f} "
                      f"(t = {case.run.series('dz')[0][-1]:.0f}, "
-                     f"{case.summary.get('verdict') or 'still running'})"
+                     f"{quantities.class_of(case, pair, x).verdict or 'still running'})"
                      for x, case in cases.items()]
             if lasts:
                 ends.append(f"{pair} {METHOD_NAMES[method]}: {', '.join(lasts)}")

@@ -8,6 +8,8 @@ exit code is 2 where the directory is not what it should be, or packages are mis
 could not be written.
 """
 import argparse
+import contextlib
+import fcntl
 import os
 import subprocess
 import sys
@@ -35,6 +37,27 @@ def make(directory, file=None, with_films=True, say=lambda text: None):
     """
     directory = Path(directory)
     display.require(films.missing_packages() if with_films else [])
+    with _alone(directory):
+        return _make(directory, Path(file or directory / REPORT), with_films, say)
+
+
+@contextlib.contextmanager
+def _alone(directory):
+    """Keeps other processes from making a report of the same directory. Raises DuctileError if one
+    is at it."""
+    if not directory.is_dir():
+        raise DuctileError(f"{directory}: is no directory")
+    descriptor = os.open(directory, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError as error:
+        raise DuctileError(f"{directory}: another process makes its report") from error
+    finally:
+        os.close(descriptor)
+
+
+def _make(directory, file, with_films, say):
     study = Study(directory)
     found = results.of(directory, results.settings_of(directory))
     report.validate(found)
@@ -42,7 +65,7 @@ def make(directory, file=None, with_films=True, say=lambda text: None):
     say("drawing the figures")
     drawn = _figures(study, directory / "figures")
     media = _all_media(directory, _shown(study), with_films, say)
-    return report.write(directory, found, drawn, media, Path(file or directory / REPORT))
+    return report.write(directory, found, drawn, media, file)
 
 
 def _all_media(directory, cases, with_films, say):

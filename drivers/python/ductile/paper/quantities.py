@@ -67,11 +67,8 @@ STATED = {
     "biconcave-La100": Stated(0.3, "inferred: very close to that of a sphere of the same rigidity",
                               "3.2.1"),
     "released": Stated(0.0, "a second type of stable position at x = 0", "3.1.2"),
-    "released from": Stated(0.055, "from the momentary position at x = 0.055", "3.1.2"),
-    "dz start": Stated(1.0, "the initial axial separation equal to 1", "2.3"),
     "dz stop": Stated(10.0, "we stop the simulations once dz is beyond 10", "3.1.2"),
     "M2 dz_eq": Stated(1.0, "close to the initial value", "3.1.2"),
-    "B4 dz_eq": Stated(1.0, "only fluctuates little about its initial value", "3.2.2"),
     "M1 quotient": Stated(2.0, "dz for x_lag = 0.4 is twice as large as that for -0.4", "3.1.2"),
     "B4 parting": Stated(400.0, "one would need 400 time units to reach dz = 10", "3.2.2"),
     "rectangular dz": Stated(2.0, "initial axial distance 2 (5 a)", "A"),
@@ -637,20 +634,25 @@ def _level_of_dz(case):
         return found
     # The drift goes on to the end of the window, and nobody knows how far beyond it.
     drift = abs(fit.drift.value) * (fit.t[-1] - fit.t[0])
-    return Quantity(Value(fit.offset.value, float(np.hypot(fit.offset.error, drift)),
-                          float(np.hypot(fit.offset.error95, 2 * drift))),
-                    how="the line about which a damped cosine swings")
+    return _if_better(Quantity(Value(fit.offset.value, float(np.hypot(fit.offset.error, drift)),
+                                     float(np.hypot(fit.offset.error95, 2 * drift))),
+                               how="the line about which a damped cosine swings"),
+                      _LARGEST_OF_DZ)
 
 
 # A slower growth of dz [nu/W] counts as rest, as in doc/verdict.md.
 _PARTS = 0.003
 
 
-def parting_time(case, distance=STATED["dz stop"].value):
+def parting_time(case, pair, x_lag, distance=STATED["dz stop"].value):
     """When dz comes to `distance` [W^2/nu] if it goes on as over the last quarter of the run (the
-    paper: some 400 for B4 from x_lag = 0.2); when it did where it has."""
+    paper: some 400 for B4 from x_lag = 0.2); when it did where it has. A pair that stays together
+    has none, whatever dz does at the end of its run."""
     if case is None:
         return _missing("the case")
+    found = class_of(case, pair, x_lag)
+    if found.verdict in (_STABLE, _DAMPED, _BOUNDED):
+        return _none(f"the pair is {found.verdict}: {found.reason}", case.label)
     t, dz = case.run.series("dz")
     if dz[-1] >= distance:
         n = int(np.flatnonzero(dz >= distance)[0])
@@ -928,6 +930,8 @@ def rectangular_equilibrium(study, nodes=None):
     case = only_case(study, "rectangular", "clean", nodes)
     if case is None:
         return _missing("the pair of Fig. 15")
+    if case.summary.get("verdict") == _UNSTABLE:
+        return _none(f"the pair is unstable: {case.summary.get('verdict_reason', '')}", case.label)
     found = _of(case, _level_of_dz(case))
     if not found.known:
         return found

@@ -603,6 +603,15 @@ def _cell_tumbles(study, method):
                    f"by thirds of the run it is {', '.join(kinds)}.", (case.label,))
 
 
+def _wobbles(case, said):
+    """Whether the axis of a cell tilts out of the plane and the cell wobbles, in a third of its run.
+    Undecided where it tilts and none of the thirds counts as wobbling."""
+    tilts = quantities.wobbles_from(case).known
+    if tilts and "wobbling" not in _kinds(case):
+        raise DuctileError(said)
+    return tilts
+
+
 def _kinds(case):
     """How a cell turns in thirds of its run."""
     found = quantities.rotation_kinds(case)
@@ -630,7 +639,7 @@ def _cell_period(study, method):
 def _cell_lifts(study, method):
     case = _single(study, "biconcave-La10", 0.2, method)
     leaves, said = _lifted(case)
-    return Finding(leaves and quantities.wobbles_from(case).known, said, (case.label,))
+    return Finding(leaves and _wobbles(case, said), said, (case.label,))
 
 
 def _lifted(case):
@@ -717,7 +726,7 @@ def _fig12(study, method):
     said = f"by thirds of the run it is {', '.join(kinds)}; "
     said += (f"its axis is tilted by 10 degrees from t = {found.value.value:.3g}." if found.known
              else f"{found.reason}.")
-    return Finding(found.known and kinds[0] == "tumbling", said, (case.label,))
+    return Finding(_wobbles(case, said) and kinds[0] == "tumbling", said, (case.label,))
 
 
 @statement("b1-direct", "fig11", "section 3.2.2",
