@@ -75,6 +75,10 @@ if [ "${1:-}" = -n ]; then
     '' | *[!0-9]* | 0*) say "-n takes a number of ranks, at least 1, not '$ranks'"; exit 2 ;;
   esac
   shift 2
+  case ${1:-} in
+    run | pair | resume | compare | bench) ;;
+    *) say "-n is of run, pair, resume, compare and bench, not of '${1:-}'; a campaign takes --ranks"; exit 2 ;;
+  esac
 fi
 
 case ${1:-} in
@@ -112,6 +116,8 @@ case ${1:-} in
     exec /usr/bin/python3 "$top/drivers/python/reproduce.py" --program "$build/drivers/ductile" "$@"
     ;;
   converge)
+    case ${2:-} in -*) say "converge takes a directory for its results, not '$2'"; exit 2 ;; esac
+    if [ $# -gt 2 ]; then say "converge takes one directory, not '$3' too"; exit 2; fi
     make_target ductile
     make_target convergence_cases
     results=${2:-runs/convergence}

@@ -112,6 +112,8 @@ Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
       RunDirectory(run, force || fs::exists(run / "scenario.toml", error)).write_scenario(scenario);
       continue;
     }
+    // A process that has it runs under the limits of before, and would count as ended by these.
+    const DirectoryLock lock(run, "run");
     // Without its summary the case counts as one that has not ended.
     if (changes[c] == Change::end) fs::remove(run / "summary.json", error);
     write_atomically(run / "scenario.toml", scenario, Durability::system);

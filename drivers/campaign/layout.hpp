@@ -23,8 +23,8 @@ struct ReadCase {
 std::vector<ReadCase> read_cases(const Sweep& sweep);
 
 /// Makes the directory of the cases: a scenario.toml each, campaign.json, and a copy of the file.
-/// Of a case that has been begun the scenario may differ in [run] alone; with `force` the results of
-/// one that differs are removed. Where a limit is another one, the case goes on. Throws
+/// Of a case that has been begun the scenario may differ in [run] alone; with `force` the results
+/// of one that differs are removed. Where a limit is another one, the case goes on. Throws
 /// InputError, with nothing written, if a case has the results of another scenario and `force` is
 /// not given; OutputError.
 Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,

@@ -348,8 +348,4 @@ Sweep parse_sweep(std::string_view text, const fs::path& file) {
   return Reader(text, file).read();
 }
 
-Sweep read_sweep(const fs::path& file) {
-  return parse_sweep(read_text(file), file);
-}
-
 }  // namespace ductile::drivers

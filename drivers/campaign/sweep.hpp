@@ -50,11 +50,9 @@ struct Sweep {
 /// Most cases that a campaign may have.
 constexpr std::size_t most_cases = 10000;
 
-/// Reads a campaign file and lays out its cases, the last axis fastest; whether the scenarios are
-/// good is not looked at. Paths in it are relative to it. Throws InputError, with line and column.
-Sweep read_sweep(const std::filesystem::path& file);
-
-/// The same of a text; `file` is what messages call it, and where paths are relative to.
+/// Reads the text of a campaign file and lays out its cases, the last axis fastest; whether the
+/// scenarios are good is not looked at. `file` is what messages call it, and where paths are
+/// relative to. Throws InputError, with line and column.
 Sweep parse_sweep(std::string_view text, const std::filesystem::path& file);
 
 }  // namespace ductile::drivers

@@ -393,8 +393,9 @@ void CampaignCommand::run(const std::vector<Request>& requests, Afterwards& afte
         jobs.push_back({campaigns.size() - 1, name, *read.given});
       if (read.trouble.empty()) continue;
       say(stderr, "{} cannot be run: {}\n", name, read.trouble);
-      // One whose directory was removed waits for the campaign file to be given again.
-      if (fs::is_directory(directory.run(name), error))
+      // One whose directory was removed, or never laid out, waits for the campaign file to be given
+      // again.
+      if (fs::exists(directory.run(name) / "scenario.toml", error))
         write_atomically(directory.failure(name), read.trouble + '\n');
     }
     if (prepare_ || gather_) {

@@ -36,7 +36,8 @@ constexpr std::string_view footer =
     "Exit codes: 0 success, 1 the run could not be done, 2 wrong input (nothing is written),\n"
     "3 the fluid or a body became unstable (of compare: with every integrator),\n"
     "4 surfaces of bodies crossed, or a body came to a wall, 5 a signal ended the run,\n"
-    "6 --max-walltime did; `ductile resume` goes on after each of the last three.\n"
+    "6 --max-walltime did; `ductile resume` goes on after 5 and 6, and after 4 where surfaces of\n"
+    "bodies crossed and run.stop_at_contact is false now.\n"
     "Under mpirun the channel is shared among the ranks; results do not depend on their number.\n"
     "`ductile COMMAND --help` tells more about a command.";
 

@@ -162,7 +162,7 @@ std::string to_json(const Summary& summary) {
 }
 
 void write_summary(const std::filesystem::path& file, const Summary& summary) {
-  write_atomically(file, to_json(summary));
+  write_atomically(file, to_json(summary), Durability::system);
 }
 
 }  // namespace ductile::drivers

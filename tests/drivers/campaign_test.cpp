@@ -19,6 +19,7 @@
 #include "checks/read_case.hpp"
 #include "output/file.hpp"
 #include "output/process.hpp"
+#include "output/run_directory.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/writer.hpp"
 #include "support/temporary_directory.hpp"
@@ -280,6 +281,13 @@ TEST_F(CampaignFiles, AreLaidOutAgain) {
   write("out/cases/M1/scenario.toml", "# other words\n" + read("out/cases/M1/scenario.toml"));
   lay("set.run.time_limit = 99.0\nset.run.checkpoint_every = 3.0\n", false);
   EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
+  // One that another process has in hand keeps its limits, by which that one ends it.
+  {
+    const DirectoryLock held(path_ / "out/cases/M1", "run");
+    EXPECT_THROW(lay("set.run.time_limit = 97.0\n", false), InputError);
+  }
+  EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
+  EXPECT_EQ(read("out/cases/M1/scenario.toml").find("time_limit = 97.0"), std::string::npos);
   // A run that blew up does so again.
   write("out/cases/M1/summary.json", R"({"status": "blew up"})");
   lay("set.run.time_limit = 98.0\n", false);

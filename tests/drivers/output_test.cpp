@@ -887,7 +887,7 @@ TEST(Duration, IsReadInEveryForm) {
       {"2d", 172800}, {"01:30", 90}, {"11:30:00", 41400}, {"1-00:00:30", 86430}};
   for (const auto& [text, seconds] : known) EXPECT_EQ(parsed_duration(text), seconds) << text;
   for (const char* text : {"", "90", "s", "-1s", "1 h", "1:60", "1:2:3:4", "1-2", "1-2:3", "1h30m",
-                           "nan", "inf", "1e3s", "1::2", "1:"})
+                           "nan", "inf", "infs", "infh", "inf:30", "1e3s", "1::2", "1:"})
     EXPECT_FALSE(parsed_duration(text)) << text;
 }
 
