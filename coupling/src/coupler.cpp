@@ -38,6 +38,11 @@ class Coupler::Impl {
 
   std::optional<fluid::Box> reach_of(const Host& host);
   bool fits(const Host& host, const fluid::Box& reach);
+  // Whether a box has all planes of a periodic axis, to whose ends nothing moves out.
+  [[nodiscard]] bool is_whole_ring(const fluid::Box& box, std::size_t axis) const {
+    return axis == 2 && fluid_.options().boundary[2] == fluid::Boundary::periodic &&
+           box[2].size() == fluid_.options().nodes[2];
+  }
   template <class F>
   void guarded(Host& host, const F& f);
   void sent(std::size_t bytes) {
@@ -53,17 +58,22 @@ class Coupler::Impl {
   int rounds_ = 0;               // of corrections
   std::int64_t time_ = 0;        // at the start of the step
   double lattice_velocity_ = 0;  // then
+  double way_ = 0;               // of the lattice, where markers were last placed on it
 };
 
 Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
     : fluid_(fluid), comm_(fluid.comm()), markers_(fluid, comm_, hosts_, watch_) {
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.id < b.id; });
-  std::vector<int> owners(static_cast<std::size_t>(std::max(total, 0)) + 1, 0);
+  // Of each id, and after them of ids out of range and of bodies that are none.
+  std::vector<int> owners(static_cast<std::size_t>(std::max(total, 0)) + 2, 0);
   for (const Member& member : members) {
-    // The last entry counts ids out of range.
     ++owners[static_cast<std::size_t>(member.id >= 0 && member.id < total ? member.id
                                                                           : std::max(total, 0))];
+    if (member.body == nullptr || member.body->marker_count() == 0) {
+      ++owners.back();
+      continue;
+    }
     Host host;
     host.id = member.id;
     host.body = member.body;
@@ -79,12 +89,15 @@ Coupler::Impl::Impl(fluid::Fluid& fluid, std::vector<Member> members, int total)
   mpi_check(MPI_Allreduce(MPI_IN_PLACE, owners.data(), static_cast<int>(owners.size()), MPI_INT,
                           MPI_SUM, comm_.get()),
             "MPI_Allreduce");
+  const int empty = owners.back();
+  owners.pop_back();
   const int strangers = owners.back();
   owners.pop_back();
   if (strangers != 0 || !std::all_of(owners.begin(), owners.end(), [](int n) { return n == 1; })) {
     throw std::invalid_argument("coupler: the ranks' bodies must have the ids 0 to " +
                                 std::to_string(total - 1) + ", each once");
   }
+  if (empty != 0) throw std::invalid_argument("coupler: every body must have markers");
   entries_.resize(owners.size());
 }
 
@@ -93,6 +106,8 @@ void Coupler::Impl::step() {
   watch_.start();
   time_ = fluid_.time();
   lattice_velocity_ = fluid_.motion().velocity;
+  // The fluid has been set to another state, with its lattice elsewhere.
+  if (fluid_.motion().position != way_) moved_out_ = true;
   if (moved_out_) lay_out();
   predict_forces();
   markers_.send_positions();
@@ -128,6 +143,8 @@ void Coupler::Impl::guarded(Host& host, const F& f) {
     failures_.add(host.id, BodyFailure::Cause::body, error.marker(), error.what());
   } catch (const std::exception& error) {
     failures_.add(host.id, BodyFailure::Cause::body, std::nullopt, error.what());
+  } catch (...) {
+    failures_.add(host.id, BodyFailure::Cause::body, std::nullopt, "it throws no std::exception");
   }
 }
 
@@ -166,6 +183,7 @@ void Coupler::Impl::correct_forces(Round round) {
 }
 
 void Coupler::Impl::advance() {
+  way_ = fluid_.motion().position;
   for (Host& host : hosts_) {
     guarded(host, [&](Body& body) {
       at_rest(host.velocity);
@@ -174,6 +192,7 @@ void Coupler::Impl::advance() {
       const auto reach = reach_of(host);
       const fluid::Box& laid = entries_[static_cast<std::size_t>(host.id)].box;
       for (std::size_t axis = 0; axis < 3 && reach; ++axis) {
+        if (is_whole_ring(laid, axis) && reach->at(axis).size() <= laid[axis].size()) continue;
         moved_out_ = moved_out_ || (*reach)[axis].begin < laid[axis].begin ||
                      (*reach)[axis].end > laid[axis].end;
       }
@@ -181,6 +200,8 @@ void Coupler::Impl::advance() {
   }
   watch_.lap(Part::bodies);
 }
+
+namespace {
 
 // y of a mirror plane.
 double plane_of(fluid::Mirror mirror) {
@@ -199,12 +220,17 @@ bool is_own_image(fluid::Mirror mirror, std::span<const double> positions) {
   return above == below;
 }
 
+}  // namespace
+
 // Where the host's markers are on the lattice now, and what follows from it.
 void Coupler::Impl::place(Host& host) const {
   const std::span<const double> x = host.body->positions();
+  if (x.size() != host.position.size()) {
+    throw std::logic_error("it has " + std::to_string(x.size() / 3) + " markers now, and had " +
+                           std::to_string(host.position.size() / 3));
+  }
   std::copy(x.begin(), x.end(), host.position.begin());
-  const double way = fluid_.motion().position;
-  for (std::size_t n = 2; n < x.size(); n += 3) host.position[n] -= way;
+  for (std::size_t n = 2; n < x.size(); n += 3) host.position[n] -= way_;
   const fluid::Mirror mirror = fluid_.options().mirror;
   host.share = mirror != fluid::Mirror::none && is_own_image(mirror, host.position) ? 0.5 : 1;
 }
@@ -236,6 +262,8 @@ std::optional<fluid::Box> Coupler::Impl::reach_of(const Host& host) {
   }
   return box;
 }
+
+namespace {
 
 // The host's marker of lowest or highest coordinate.
 std::size_t extreme_marker(const Host& host, std::size_t axis, bool lowest) {
@@ -270,6 +298,8 @@ std::string too_close(const fluid::Options& options, std::size_t axis, bool low,
   return text.str();
 }
 
+}  // namespace
+
 // Whether the fluid has all nodes that the host's markers reach, each once; a failure if not.
 bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
   const fluid::Options& options = fluid_.options();
@@ -295,11 +325,14 @@ bool Coupler::Impl::fits(const Host& host, const fluid::Box& reach) {
 void Coupler::Impl::lay_out() {
   constexpr std::size_t numbers = 9;
   std::vector<int> table(entries_.size() * numbers, INT_MIN);
+  way_ = fluid_.motion().position;
   for (Host& host : hosts_) {
-    place(host);
     fluid::Box box{};
-    const auto reach = reach_of(host);
-    if (reach && fits(host, *reach)) box = fluid_.box_around(*reach);
+    guarded(host, [&](Body& /*body*/) {
+      place(host);
+      const auto reach = reach_of(host);
+      if (reach && fits(host, *reach)) box = fluid_.box_around(*reach);
+    });
     int* row = &table[static_cast<std::size_t>(host.id) * numbers];
     row[0] = comm_.rank();
     row[1] = static_cast<int>(host.body->marker_count());

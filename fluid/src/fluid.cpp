@@ -15,13 +15,14 @@ namespace ductile::fluid {
 namespace {
 
 // The options with all choices made.
-Options validated(int ranks, Options options) {
+Options validated(const Communicator& comm, Options options) {
   if (!(options.tau > 0.5) || !std::isfinite(options.tau)) {
     reject("tau = " + std::to_string(options.tau) + " must exceed 1/2");
   }
-  if (options.collision == Collision::trt && !(options.magic > 0)) {
-    reject("magic = " + std::to_string(options.magic) + " must be positive");
+  if (options.collision == Collision::trt && !(options.magic > 0 && std::isfinite(options.magic))) {
+    reject("magic = " + std::to_string(options.magic) + " must be positive and finite");
   }
+  if (!options.force.allFinite()) reject("the force must be finite");
   if (!std::isfinite(options.lattice_velocity) ||
       (options.lattice_velocity != 0 && options.boundary[2] != Boundary::periodic)) {
     reject("the lattice moves along z only where that is periodic, with a finite velocity");
@@ -64,13 +65,17 @@ Options validated(int ranks, Options options) {
       options.storage == Precision::double_precision) {
     reject("arithmetic in single precision needs populations stored in single precision");
   }
-  if (options.nodes[2] < ranks) {
+  if (options.nodes[2] < comm.size()) {
     reject(std::to_string(options.nodes[2]) + " planes cannot be shared by " +
-           std::to_string(ranks) + " ranks; use fewer ranks");
+           std::to_string(comm.size()) + " ranks; use fewer ranks");
   }
   if (!options.instruction_set) options.instruction_set = best_instruction_set();
-  if (!available(*options.instruction_set)) {
-    reject("this machine or this program has no " + std::string(name(*options.instruction_set)));
+  int everywhere = available(*options.instruction_set) ? 1 : 0;
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, &everywhere, 1, MPI_INT, MPI_MIN, comm.get()),
+            "MPI_Allreduce");
+  if (everywhere == 0) {
+    reject("a rank's machine or this program has no " +
+           std::string(name(*options.instruction_set)));
   }
   return options;
 }
@@ -177,7 +182,7 @@ double FluidImpl::flow() {
 
 Fluid::Fluid(MPI_Comm comm, const Options& options) {
   Communicator own(comm);
-  const Options all = validated(own.size(), options);
+  const Options all = validated(own, options);
   impl_ = make_populations(std::move(own), all);
   initialise([](int, int, int) { return NodeState{}; });
 }

@@ -248,6 +248,7 @@ constexpr int ez = d3q19::e[p][2];
 // w_i of a pair
 template <int p>
 constexpr double weight = d3q19::w(2 * p + 1);
+constexpr double weight_at_rest = d3q19::w(0);
 
 // sum += e value
 template <int e, class T>
@@ -563,7 +564,8 @@ struct WallRule {
       });
     }
     const V trace = (pxx + pyy + pzz) * (T{1} / T{3});
-    nodes.rest = static_cast<T>(d3q19::w(0)) * (drho - rho * static_cast<T>(uu) - T{4.5} * trace);
+    nodes.rest =
+        static_cast<T>(weight_at_rest) * (drho - rho * static_cast<T>(uu) - T{4.5} * trace);
     V moving{};  // of all that do not rest
     for_pairs([&]<int p>() __attribute__((always_inline)) {
       V q = -trace;  // (e e - 1/3):Pi

@@ -352,6 +352,7 @@ void Populations<Real, T>::drive_moving_walls() {
 template <class Real, class T>
 void Populations<Real, T>::initialise(const std::function<NodeState(int, int, int)>& state) {
   halo_.reset();
+  drop_force();
   time_ = 0;
   odd_ = false;
   reset_motion();

@@ -250,6 +250,10 @@ Shape Shell::shape(Vec positions) const {
 }
 
 Shape Shell::shape(std::span<const double> positions) const {
+  if (positions.size() != 3 * static_cast<std::size_t>(vertex_count_)) {
+    throw std::invalid_argument("shell: " + std::to_string(positions.size()) + " numbers where " +
+                                std::to_string(3 * vertex_count_) + " are needed");
+  }
   const double* x = positions.data();
   const Vector3d origin = point(x, 0);
   Shape shape;

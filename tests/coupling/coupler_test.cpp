@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -368,6 +369,49 @@ TEST(Coupler, RejectsIdsThatDoNotNumberTheBodies) {
   EXPECT_THROW(Coupler(fluid, {{0, &a}, {0, &b}}, 2), std::invalid_argument);
   EXPECT_THROW(Coupler(fluid, {{0, &a}, {2, &b}}, 2), std::invalid_argument);
   EXPECT_THROW(Coupler(fluid, {{0, &a}}, 2), std::invalid_argument);
+}
+
+TEST(Coupler, RefusesBodiesWithoutMarkers) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(8));
+  Explicit a({4, 4, 4}, nullptr);
+  Explicit none({}, nullptr);
+  EXPECT_THROW(Coupler(fluid, {{0, &a}, {1, &none}}, 2), std::invalid_argument);
+  EXPECT_THROW(Coupler(fluid, {{0, nullptr}}, 1), std::invalid_argument);
+}
+
+// Its arrays are made for those that it has at first.
+TEST(Coupler, FailsWhereABodyGetsOtherMarkers) {
+  fluid::Fluid fluid(MPI_COMM_SELF, box(8));
+  Explicit body({4, 4, 4}, nullptr);
+  Coupler coupler(fluid, {{0, &body}}, 1);
+  coupler.step();
+  body.x = {4, 4, 4, 5, 5, 5};
+  coupler.bodies_replaced();
+  try {
+    coupler.step();
+    FAIL() << "no exception";
+  } catch (const BodyFailure& failure) {
+    EXPECT_EQ(failure.reason(), "it has 2 markers now, and had 1");
+  }
+}
+
+// A fluid that starts again, its lattice where it was then, meets the bodies where they are.
+TEST(Coupler, FindsBodiesOnALatticeThatWasSetBack) {
+  fluid::Options o = box(24);
+  o.lattice_velocity = 0.05;
+  std::array<std::vector<double>, 2> seen;
+  for (const bool begun : {false, true}) {
+    fluid::Fluid fluid(MPI_COMM_SELF, o);
+    Held body({12, 12, 12}, 1, 0.1);
+    Coupler coupler(fluid, {{0, &body}}, 1);
+    if (begun) {
+      for (int n = 0; n < 100; ++n) coupler.step();
+    }
+    fluid.initialise([](int i, int, int k) { return uniform({0, 0, 1e-3 * (k - i)}); });
+    for (int n = 0; n < 3; ++n) coupler.step();
+    seen[begun ? 1 : 0] = body.velocity;
+  }
+  EXPECT_EQ(seen[0], seen[1]);
 }
 
 }  // namespace

@@ -181,6 +181,41 @@ TEST(Ranks, AFailureOnOneRankIsThrownOnAll) {
   }
 }
 
+// Whatever it throws, and where a step has not begun: nobody waits for ever.
+TEST(Ranks, WhatABodyThrowsIsEveryRanksToHearOf) {
+  class Odd final : public coupling::Body {
+   public:
+    explicit Odd(bool at_once) : at_once_(at_once) {}
+    [[nodiscard]] std::size_t marker_count() const override { return 1; }
+    [[nodiscard]] std::span<const double> positions() const override {
+      if (at_once_) throw std::runtime_error("nowhere");
+      return x_;
+    }
+    [[nodiscard]] int corrections() const override { return 0; }
+    void predict_force(std::span<double>) override { throw 1; }
+    void correct_force(std::span<const double>, const coupling::Response&,
+                       std::span<double>) override {}
+    void advance(std::span<const double>) override {}
+
+   private:
+    bool at_once_;
+    std::vector<double> x_ = {7, 7, 7};
+  };
+  for (const bool at_once : {true, false}) {
+    fluid::Fluid fluid(MPI_COMM_WORLD, channel(whole_channel));
+    auto list = bodies(whole_channel);
+    list[1] = std::make_unique<Odd>(at_once);
+    Coupler coupler(fluid, share_of(list, rank(), ranks()), 4);
+    try {
+      coupler.step();
+      FAIL() << "no exception";
+    } catch (const BodyFailure& failure) {
+      EXPECT_EQ(failure.body(), 1);
+      EXPECT_EQ(failure.reason(), at_once ? "nowhere" : "it throws no std::exception");
+    }
+  }
+}
+
 // What holds on a machine however busy: sleep_for() sleeps at least as long as it says, and laps
 // that follow each other cannot add up to more than the time from before the first to after the
 // last, by the same clock.

@@ -432,6 +432,12 @@ TEST(Fluid, SaysWhatIsWrongWithItsOptions) {
             }).find("magic"),
             std::string::npos);
   EXPECT_NE(message([](Options& o) {
+              o.collision = Collision::trt;
+              o.magic = INFINITY;
+            }).find("magic"),
+            std::string::npos);
+  EXPECT_NE(message([](Options& o) { o.force = {0, 0, NAN}; }).find("force"), std::string::npos);
+  EXPECT_NE(message([](Options& o) {
               o.wall_velocity[0][1] = {0.1, 0, 0};
             }).find("across x"),
             std::string::npos);

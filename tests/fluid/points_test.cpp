@@ -207,6 +207,21 @@ TEST(Points, ForceActsAndVelocityIsToldThroughTheInterfaceAlone) {
   }
 }
 
+// What was added before belongs to the state before.
+TEST(Points, ForceIsDroppedWhereTheFluidStartsAgain) {
+  Options o;
+  o.nodes = {12, 12, 12};
+  Fluid fluid(MPI_COMM_SELF, o);
+  const std::array<Box, 1> boxes = {Box{{{2, 10}, {2, 10}, {2, 10}}}};
+  fluid.place_boxes(boxes);
+  Points points(fluid, 0);
+  points.locate(std::vector<double>{5, 6, 5});
+  points.add_force(std::vector<double>{1e-3, 0, 0});
+  fluid.initialise([](int, int, int) { return NodeState{}; });
+  fluid.step();
+  EXPECT_TRUE(fluid.totals().momentum.isZero(0));
+}
+
 // Boxes that overlap are one to the fluid: what acts in one is felt in the other.
 TEST(Points, OfBoxesThatOverlapFeelEachOther) {
   Options o;

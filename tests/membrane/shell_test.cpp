@@ -226,6 +226,9 @@ TEST_F(Refusal, OfAnOpenSheetWithAVolume) {
 TEST_F(Refusal, OfAVectorOfAnotherSize) {
   const Shell shell(mesh_, moduli_);
   const VecPtr wrong = create_vec(41);
+  test::expect_contains(
+      test::refusal([&] { static_cast<void>(shell.shape(std::vector<double>(3))); }),
+      "3 numbers where");
   test::expect_contains(test::refusal([&] { static_cast<void>(shell.energies(wrong.get())); }),
                         "123 numbers");
 }

@@ -46,7 +46,7 @@ class BodyFailure : public std::runtime_error {
 };
 
 /// Couples bodies to a fluid by Peskin's immersed boundary method, eqs. (15)-(17), and advances
-/// both. It keeps no physical state: interpolation weights and messages only. Results do not depend
+/// both. It keeps no physical state: boxes, routes and messages only. Results do not depend
 /// on the number of ranks, to the last bit: forces are spread in the order of bodies and markers,
 /// and a marker's velocity is summed plane by plane, in the planes' order.
 class Coupler {
@@ -56,7 +56,8 @@ class Coupler {
   /// in the frame at rest (fluid::LatticeMotion). With a mirror plane a body that
   /// has markers on both sides is its own image, and of its forces the symmetric part acts; any
   /// other has an image as its twin. Bodies that are not symmetric may not cross the plane. Throws
-  /// std::invalid_argument, on every rank, if the ids are not 0 .. total - 1, each once.
+  /// std::invalid_argument, on every rank, if the ids are not 0 .. total - 1, each once, or a body
+  /// has no markers.
   Coupler(fluid::Fluid& fluid, std::vector<Member> bodies, int total);
   ~Coupler();
   Coupler(const Coupler&) = delete;

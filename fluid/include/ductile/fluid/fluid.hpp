@@ -131,11 +131,12 @@ class FluidImpl;
 class Fluid {
  public:
   /// Collective. Each rank holds an even share of the planes. The fluid is at rest.
-  /// Throws std::invalid_argument, on every rank, if tau <= 1/2, magic <= 0, an axis has fewer than
-  /// 2 nodes (4 with walls on nodes), z is regularized, a wall velocity has a normal component,
-  /// a mirror plane faces no wall, the force or a wall's velocity is not symmetric about it, there
-  /// are more ranks than planes, arithmetic is single with double storage, or a given instruction
-  /// set is not available.
+  /// Throws std::invalid_argument, on every rank, if tau <= 1/2, magic <= 0, a number is not
+  /// finite, an axis has fewer than 2 nodes (4 with walls on nodes), z is regularized, a wall
+  /// velocity has a normal component, the lattice moves and z is not periodic, a mirror plane faces
+  /// no wall, the force or a wall's velocity is not symmetric about it, there are more ranks than
+  /// planes, arithmetic is single with double storage, or a given instruction set is not available
+  /// on the machine of every rank.
   Fluid(MPI_Comm comm, const Options& options);
   ~Fluid();
   Fluid(Fluid&&) noexcept;
@@ -173,7 +174,7 @@ class Fluid {
   /// part of the state's gradient, w_i rho (-tau/c_s^2)(c c - c_s^2 1):grad u, less half of Guo's
   /// forcing term, as in a slowly varying flow. `state` is called with own nodes (i, j, k), and is
   /// symmetric where a mirror plane lies on them; time and the lattice's motion are what they were
-  /// at the start. Collective.
+  /// at the start. Boxes stay; force in them is dropped. Collective.
   void initialise(const std::function<NodeState(int, int, int)>& state);
 
   /// The box to place for points that reach the nodes of `reach`, which domain() holds and which is

@@ -22,7 +22,7 @@ struct CapsuleOptions {
   IntegratorFactory integrator = make_integrator("explicit-euler");
 };
 
-/// A step that a capsule cannot take; the state before the step is intact.
+/// A step that a capsule cannot take: positions and velocities are those before it, forces its own.
 class VertexFailure : public std::runtime_error {
  public:
   enum class Reason {

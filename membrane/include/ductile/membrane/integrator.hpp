@@ -69,7 +69,7 @@ struct IntegratorOptions {
   int step_cuts = 0;  ///< implicit: how often a step that fails is tried again with twice as many
 };
 
-/// A system of equations was not solved; the state before the step is intact.
+/// A system of equations was not solved: positions and velocities are those before the step.
 class SolveFailure : public std::runtime_error {
  public:
   /// `reason` is PETSc's; `residual` the largest norm over all forces that is left, and `target`
@@ -107,7 +107,8 @@ class Integrator {
   /// velocity <- v, given the fluid's with the whole force in.
   virtual void advance(const State& state, Vec fluid_velocity, Vec velocity) = 0;
   /// The step is taken: what advance() gave is the state's now. A step that failed has no such
-  /// call, and the scheme must then be as it was before it.
+  /// call: what the scheme remembers of past steps must then be as it was before it. What a solver
+  /// keeps to go faster, as a tangent, may be another, within its tolerance.
   virtual void accept() {}
 
   [[nodiscard]] virtual SolveStatistics statistics() const { return {}; }

@@ -71,8 +71,9 @@ struct Shape {
 /// An elastic shell of P1 finite elements, unstressed in its reference mesh: its reference metric,
 /// angles theta0 and volume V0 are those of the mesh as given. Positions and forces are sequential
 /// PETSc vectors of 3n numbers, interlaced, block size 3. Its physics never changes; its calls,
-/// and those of its copies, share work space, so one thread at a time. No call is collective beyond PETSC_COMM_SELF. Sums
-/// run in the order of the mesh's triangles and are the same, to the last bit, whenever repeated.
+/// and those of its copies, share work space, so one thread at a time. No call is collective beyond
+/// PETSC_COMM_SELF. Sums run in the order of the mesh's triangles and are the same, to the last
+/// bit, whenever repeated.
 class Shell {
  public:
   /// Throws std::invalid_argument for a negative modulus, a mesh that is not closed (unless
@@ -109,6 +110,7 @@ class Shell {
 
   /// Only the area means anything for an open sheet.
   [[nodiscard]] Shape shape(Vec positions) const;
+  /// 3n numbers; throws std::invalid_argument for another count.
   [[nodiscard]] Shape shape(std::span<const double> positions) const;
 
  private:
