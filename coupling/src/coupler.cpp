@@ -335,7 +335,7 @@ void Coupler::Impl::lay_out() {
     });
     int* row = &table[static_cast<std::size_t>(host.id) * numbers];
     row[0] = comm_.rank();
-    row[1] = static_cast<int>(host.body->marker_count());
+    row[1] = static_cast<int>(host.position.size() / 3);
     row[2] = host.corrections;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       row[3 + 2 * axis] = box[axis].begin;

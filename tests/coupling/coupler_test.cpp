@@ -395,6 +395,31 @@ TEST(Coupler, FailsWhereABodyGetsOtherMarkers) {
   }
 }
 
+// A body as long as its channel, whose box is the whole ring, goes round it as if its box were laid
+// anew in every step.
+TEST(Coupler, ABodyAsLongAsItsChannelGoesRound) {
+  fluid::Options o = box(12);
+  std::array<std::vector<double>, 2> seen;
+  for (const bool anew : {false, true}) {
+    fluid::Fluid fluid(MPI_COMM_SELF, o);
+    fluid.initialise([](int, int, int) { return uniform({0, 0, 0.08}); });
+    Explicit body({6.1, 5.8, 1.3, 6.4, 6.2, 5.1, 5.9, 6.3, 9.2}, [](auto x, auto force) {
+      for (std::size_t n = 0; n < 3; ++n) {
+        force[3 + n] = 1e-4 * (x[n] + x[6 + n] - 2 * x[3 + n]);
+        force[n] = force[6 + n] = -0.5 * force[3 + n];
+      }
+    });
+    Coupler coupler(fluid, {{0, &body}}, 1);
+    for (int n = 0; n < 200; ++n) {
+      if (anew) coupler.bodies_replaced();
+      coupler.step();
+    }
+    seen[anew ? 1 : 0] = body.x;
+    EXPECT_GT(body.x[2], 13);
+  }
+  EXPECT_EQ(seen[0], seen[1]);
+}
+
 // A fluid that starts again, its lattice where it was then, meets the bodies where they are.
 TEST(Coupler, FindsBodiesOnALatticeThatWasSetBack) {
   fluid::Options o = box(24);

@@ -451,12 +451,15 @@ TEST(Suspension, ALatticeFollowsItsBodies) {
   struct Course {
     double x = 0;
     double behind = 0;  // the lattice, between t = 1 and 2 [W]
+    double mach = 0;    // at t = 2
+    double walls = 0;   // of the lattice's motion from t = 1 to 2
   };
   const auto course = [](double start, bool follow) {
     Plan plan = with_sphere(1, start);
     plan.follow = follow;
     Suspension suspension(plan, PETSC_COMM_WORLD);
     std::array<double, 2> ahead{};
+    std::array<double, 2> way{};
     Course result;
     for (const std::size_t half : {0, 1}) {
       while (suspension.time() < static_cast<double>(half + 1)) suspension.step();
@@ -465,8 +468,11 @@ TEST(Suspension, ALatticeFollowsItsBodies) {
       if (suspension.rank() != 0) continue;
       result.x = sample.bodies[0].position().x();
       ahead.at(half) = sample.bodies[0].position().z() - fluid.way;
+      way.at(half) = fluid.way;
+      result.mach = sample.mach;
     }
     result.behind = ahead[1] - ahead[0];
+    result.walls = std::sqrt(3.0) * plan.units.lattice_velocity(way[1] - way[0]);
     return result;
   };
   const std::array still = {course(0, false), course(0.85, false)};
@@ -484,6 +490,10 @@ TEST(Suspension, ALatticeFollowsItsBodies) {
   EXPECT_GT(std::abs(still[1].behind), 0.1);
   EXPECT_LT(std::abs(following[0].behind), 0.01);
   EXPECT_LT(std::abs(following[1].behind), 0.01);
+  // On a lattice at rest the flow is fastest, on one that goes along with the sphere the walls.
+  EXPECT_DOUBLE_EQ(still[0].mach, with_sphere(1, 0).mach());
+  EXPECT_NEAR(following[0].mach, following[0].walls, 0.02 * still[0].mach);
+  EXPECT_LT(following[0].mach, 0.95 * still[0].mach);
 }
 
 // Where the density is the pressure alone, a flow that is steady on the lattice depends on tau

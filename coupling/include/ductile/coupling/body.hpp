@@ -67,11 +67,11 @@ class Body {
   Body& operator=(const Body&) = delete;
   virtual ~Body() = default;
 
-  /// n, constant.
+  /// n, constant; does not throw.
   [[nodiscard]] virtual std::size_t marker_count() const = 0;
   /// x^n; valid until advance().
   [[nodiscard]] virtual std::span<const double> positions() const = 0;
-  /// How many marker velocities the body needs before its force is final; constant.
+  /// How many marker velocities the body needs before its force is final; constant, does not throw.
   [[nodiscard]] virtual int corrections() const = 0;
   /// force <- what the body exerts on the fluid as far as it knows or guesses without asking it.
   virtual void predict_force(std::span<double> force) = 0;
