@@ -96,6 +96,10 @@ Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
   std::vector<Change> changes;
   for (const ReadCase& read : cases) {
     changes.push_back(read.given ? change_of(directory, read, force) : Change::none);
+    // A process that has it runs what was there before, and its end would count as that of what is
+    // there then.
+    const fs::path run = directory.run(read.entry.name);
+    if (changes.back() != Change::none && fs::is_directory(run, error)) DirectoryLock(run, "run");
     campaign.cases.push_back(read.entry);
   }
   // First, so that the directory of a campaign that is killed while it is laid out is one already.
@@ -112,7 +116,6 @@ Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
       RunDirectory(run, force || fs::exists(run / "scenario.toml", error)).write_scenario(scenario);
       continue;
     }
-    // A process that has it runs under the limits of before, and would count as ended by these.
     const DirectoryLock lock(run, "run");
     // Without its summary the case counts as one that has not ended.
     if (changes[c] == Change::end) fs::remove(run / "summary.json", error);

@@ -26,7 +26,7 @@ std::vector<ReadCase> read_cases(const Sweep& sweep);
 /// Of a case that has been begun the scenario may differ in [run] alone; with `force` the results
 /// of one that differs are removed. Where a limit is another one, the case goes on. Throws
 /// InputError, with nothing written, if a case has the results of another scenario and `force` is
-/// not given; OutputError.
+/// not given, or one that is to change is run by another process; OutputError.
 Campaign lay_out(const CampaignDirectory& directory, const Sweep& sweep,
                  const std::vector<ReadCase>& cases, const std::string& text, bool force);
 

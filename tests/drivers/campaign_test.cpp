@@ -281,13 +281,6 @@ TEST_F(CampaignFiles, AreLaidOutAgain) {
   write("out/cases/M1/scenario.toml", "# other words\n" + read("out/cases/M1/scenario.toml"));
   lay("set.run.time_limit = 99.0\nset.run.checkpoint_every = 3.0\n", false);
   EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
-  // One that another process has in hand keeps its limits, by which that one ends it.
-  {
-    const DirectoryLock held(path_ / "out/cases/M1", "run");
-    EXPECT_THROW(lay("set.run.time_limit = 97.0\n", false), InputError);
-  }
-  EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
-  EXPECT_EQ(read("out/cases/M1/scenario.toml").find("time_limit = 97.0"), std::string::npos);
   // A run that blew up does so again.
   write("out/cases/M1/summary.json", R"({"status": "blew up"})");
   lay("set.run.time_limit = 98.0\n", false);
@@ -299,6 +292,30 @@ TEST_F(CampaignFiles, AreLaidOutAgain) {
   EXPECT_EQ(read("out/cases/M1/trajectory.csv"), "rows");
   lay("set.channel.nodes = 30\n", true);
   EXPECT_FALSE(fs::exists(path_ / "out/cases/M1/trajectory.csv"));
+}
+
+// A case that another process has in hand keeps its limits, by which that one ends it, and so do
+// all.
+TEST_F(CampaignFiles, AreLeftToTheProcessThatRunsThem) {
+  const CampaignDirectory directory(path_ / "out");
+  const auto lay = [&](const std::string& limit) {
+    const Sweep sweep =
+        parse_sweep("scenario = [\"M1\", \"M2\"]\nset.run.time_limit = " + limit + '\n', "c.toml");
+    lay_out(directory, sweep, read_cases(sweep), limit, false);
+  };
+  lay("98.0");
+  write("out/cases/M1/summary.json", R"({"status": "time limit"})");
+  const std::string before = read("out/cases/M1/scenario.toml");
+  {
+    const DirectoryLock held(path_ / "out/cases/M2", "run");
+    EXPECT_NO_THROW(lay("98.0"));
+    EXPECT_THROW(lay("99.0"), InputError);
+  }
+  EXPECT_TRUE(fs::exists(path_ / "out/cases/M1/summary.json"));
+  EXPECT_EQ(read("out/cases/M1/scenario.toml"), before);
+  EXPECT_EQ(read("out/campaign.toml"), "98.0");
+  lay("99.0");
+  EXPECT_FALSE(fs::exists(path_ / "out/cases/M1/summary.json"));
 }
 
 // A layout that was killed half-way goes on: what shows first is the index. Cases that wait take
