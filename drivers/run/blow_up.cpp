@@ -14,7 +14,6 @@ namespace {
 using suspension::Plan;
 
 constexpr double recent = 1;  // W^2/nu: contacts since then have to do with it
-constexpr double fast = 0.3;  // Mach number
 constexpr double low_tau = 0.55;
 
 Eigen::Vector3d in_channel(Eigen::Vector3d place, double length) {
@@ -81,11 +80,8 @@ std::string likely_cause(const BlowUp& blow_up, const Case& given, const Contact
                          warning.find(fmt::format("\"{}\"", blow_up.body)) != std::string::npos;
     if (of_body && warning.find("limit") != std::string::npos) return warning;
   }
-  if (plan.mach() > fast) {
-    return fmt::format(
-        "the Mach number of the flow, {:.2f}: more nodes or a lower fluid.tau reduce "
-        "it",
-        plan.mach());
+  for (const std::string& warning : warnings) {
+    if (warning.starts_with(too_fast)) return warning;
   }
   if (plan.fluid.tau < low_tau) {
     return fmt::format(

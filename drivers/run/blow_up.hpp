@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/contacts.hpp"
@@ -11,8 +12,11 @@
 
 namespace ductile::drivers {
 
+/// What a run's warning of its Mach number begins with.
+constexpr std::string_view too_fast = "too fast for the lattice";
+
 /// The blow-up with its place and its likely cause: from the state that it has left, the contacts
-/// of the run so far, and what was warned of before the run.
+/// of the run so far, and what has been warned of.
 BlowUp explained(BlowUp blow_up, const Case& given,
                  const std::vector<suspension::SurfaceState>& surfaces,
                  const suspension::FluidState& fluid, const Contacts& contacts,

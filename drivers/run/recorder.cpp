@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
+#include "run/blow_up.hpp"
 #include "scenario/difference.hpp"
 #include "scenario/errors.hpp"
 #include "scenario/reader.hpp"
@@ -312,14 +312,13 @@ Recorder::Finding Recorder::take(const suspension::Sample& sample) {
 
 // Once. What is too fast at the start has been refused.
 void Recorder::warn_of_speed(const suspension::Sample& sample) {
-  static constexpr std::string_view begin = "too fast for the lattice";
   if (sample.mach <= largest_mach ||
-      std::ranges::any_of(warnings_, [](const auto& text) { return text.starts_with(begin); }))
+      std::ranges::any_of(warnings_, [](const auto& text) { return text.starts_with(too_fast); }))
     return;
   warn(
       fmt::format("{}: at t = {:.4g} bodies or walls are at Mach number {:.2f}, at most {} is "
                   "sound: raise channel.nodes or lower fluid.tau",
-                  begin, sample.time, sample.mach, largest_mach));
+                  too_fast, sample.time, sample.mach, largest_mach));
 }
 
 void Recorder::judge(const suspension::Sample& sample) {

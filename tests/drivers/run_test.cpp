@@ -128,6 +128,10 @@ TEST(BlowUpOfTheFluid, IsWhereItBegan) {
   const suspension::FluidState all{0, std::vector<double>(size, std::nan("")),
                                    std::vector<double>(3 * size)};
   EXPECT_FALSE(explained({100, "", std::nullopt, "", {}, {}}, given, {}, all, {}, {}).place);
+  const std::string fast = std::string(too_fast) + ": at Mach number 0.6";
+  EXPECT_EQ(
+      explained({100, "", std::nullopt, "", {}, {}}, given, {}, all, {}, {"a word", fast}).cause,
+      fast);
 }
 
 // A heavy sphere falls onto a light one that rises: they touch where their centres are 2 a apart.
