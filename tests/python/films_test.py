@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Pictures of surfaces and films: what is seen where, how large and in which colour; and files."""
+import fcntl
 import json
 import os
 import signal
@@ -17,6 +18,7 @@ import numpy as np
 
 import ductile
 from ductile import display, films, refinement, rendering
+from ductile.errors import DuctileError
 from ductile.paper import making
 from ductile.paper.study import Study
 from paper_figures_test import Synthetic
@@ -349,6 +351,14 @@ class Films(Directory):
                 self.assertRaises(KeyboardInterrupt):
             films.make(run, self.work / "x.mp4")
         self.assertFalse(list(self.work.glob("x.mp4*")))
+
+    def test_one_process_at_a_time_writes_a_film(self):
+        file = self.work / "film.mp4"
+        with open(f"{file}.part", "ab") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            with self.assertRaisesRegex(DuctileError, "film.mp4: another process is making it"):
+                films._write(iter(()), file, 20, (64, 64))
+            self.assertTrue(Path(held.name).exists())
 
     def test_what_is_not_installed_is_named(self):
         run = self.written([0, 1], pair())

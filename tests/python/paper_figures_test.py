@@ -356,7 +356,7 @@ class Numbers(Whole):
 
     def test_when_a_slow_pair_would_part(self):
         def of(pair, x_lag):
-            return quantities.parting_time(self.study.pair(pair, x_lag, "clean"), pair, x_lag)
+            return quantities.parting_time(self.study.pair(pair, x_lag, "clean"))
         self.within(of("B4", 0.2), 400, 1e-3)
         self.within(of("M2", 0.4), 30, 0.25)
         self.assertIn("the pair is stable", of("M1", 0.0).reason)

@@ -1,5 +1,7 @@
 #!/usr/bin/python3
 """What the study comes to, from runs that follow known laws: verdicts, statements, numbers."""
+import errno
+import fcntl
 import itertools
 import json
 import os
@@ -15,7 +17,7 @@ import numpy as np
 from paper_figures_test import Synthetic, Whole, write_whole
 
 from ductile.errors import DuctileError
-from ductile.paper import report, reproduce, results, statements
+from ductile.paper import making, report, reproduce, results, statements
 from ductile.paper.study import METHODS, PAIRS, X_LAGS, Study
 
 SETTINGS = {"version": "0", "size": "quick", "commands": ["./ductile.sh reproduce --quick"],
@@ -139,9 +141,11 @@ class Differences(unittest.TestCase):
         for method in METHODS:
             self.rewrite("B4", 0.2, method, "damped")
             self.rewrite("M1", 0.2, method, "unstable")
+            self.rewrite("M2", 0.0, method, "damped", status="blew up")
         _, found = self.entry("B4", 0.2)
         numbers = {number["id"]: number for number in found["numbers"]}
         for name, why in (("B4-parting", "the pair is damped: as told"),
+                          ("fig8-equilibrium-0", "the run blew up"),
                           ("dz-M1-0.2", "the pair is unstable: as told")):
             self.assertEqual((numbers[name]["outcome"], numbers[name]["ours"]), ("undecided", []))
             self.assertIn(why, numbers[name]["remark"])
@@ -151,7 +155,22 @@ class Differences(unittest.TestCase):
             with mock.patch.object(statements, "_kinds",
                                    lambda _, last=last: ["tumbling", "tumbling", last]):
                 for name in ("fig12", "cell-lifts"):
-                    self.assertEqual(outcome(Study(self.directory), name), expected, name)
+                    one = next(one for one in statements.STATEMENTS if one.name == name)
+                    found = statements.decided(one, Study(self.directory))
+                    self.assertEqual(found["outcome"], expected, name)
+                    if expected == "undecided":
+                        self.assertIn("is tumbling, tumbling, resting. ", found["evidence"] + " ")
+
+    def test_one_report_at_a_time(self):
+        held = os.open(self.directory, os.O_RDONLY)
+        self.addCleanup(os.close, held)
+        fcntl.flock(held, fcntl.LOCK_EX)
+        with self.assertRaisesRegex(DuctileError, "another process makes its report"):
+            making.make(self.directory, with_films=False)
+        # A file system without locks is no obstacle.
+        with mock.patch("fcntl.flock", side_effect=OSError(errno.ENOSYS, "no locks")), \
+                mock.patch.object(making, "_make", return_value="made"):
+            self.assertEqual(making.make(self.directory, with_films=False), "made")
 
     def test_what_counts_as_the_papers_class(self):
         for pair, x_lag, verdict, expected in (

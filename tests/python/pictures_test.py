@@ -146,6 +146,7 @@ class Campaign(Directory):
         self.assertEqual(cells["unstable"], (1, 0))
         self.assertEqual(cells["unfinished"], (0, 1))
         self.assertEqual(cells["blew up"], (1, 1))  # and not stable, as it was until then
+        self.assertNotIn(r"$\Delta z$ = 1.2", cells)
         self.assertEqual(cells[r"$\Delta z$ = 1.31"], (0, 0))
         self.assertIn("Re", axes.get_ylabel())
 

@@ -3,6 +3,7 @@
 The objects that users hold are in runs.py; pictures are drawn from these.
 """
 import csv
+import fcntl
 import json
 import re
 from pathlib import Path
@@ -15,6 +16,17 @@ from .errors import DuctileError
 RUN_FILE = "trajectory.csv"
 CAMPAIGN_FILE = "campaign.csv"
 COMPARISON_FILE = "compare.json"
+
+
+def lock(opened, said):
+    """Keeps an open file, or a descriptor, from other processes until it is closed. Raises
+    DuctileError with what is `said` if one has it; a file system without locks keeps nobody out."""
+    try:
+        fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise DuctileError(said) from None
+    except OSError:
+        pass
 
 
 def read_text(file):

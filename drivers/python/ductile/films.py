@@ -5,12 +5,11 @@
 
 The directory of a run gives DIRECTORY/film.mp4, that of a campaign such a film in the directory of
 each of its runs that has frames. The exit code is 2 where the directory is not what it should be,
-or packages are missing; 1 where a film could not be written.
+packages are missing, or another process makes the film; 1 where a film could not be written.
 """
 import argparse
 import contextlib
 import errno
-import fcntl
 import os
 import shutil
 import subprocess
@@ -105,14 +104,12 @@ def _encoder(part, fps, size, said):
 
 
 def _write(pictures, file, fps, size):
-    """Writes the film beside its place, and puts it there when it is whole. Raises OSError."""
+    """Writes the film beside its place, and puts it there when it is whole. Raises OSError, and
+    DuctileError if another process is at it."""
     part = file.with_name(file.name + ".part")
     # Says what is wrong with the place better than ffmpeg does, and keeps others from writing there.
     with open(part, "ab") as held, tempfile.TemporaryFile() as said:
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise DuctileError(f"{file}: another process is making it") from error
+        files.lock(held, f"{file}: another process is making it")
         encoder = _encoder(part, fps, size, said)
         try:
             try:
@@ -144,7 +141,7 @@ def make(run, file, colour="body", fps=FPS, size=SIZE, start=None, end=None, spe
     rendering.Scene. Films that are made one after the other share a window.
 
     Raises DuctileError where the run has no such frames or no such field, for numbers and names
-    that cannot be, and where packages are missing; OSError where the file cannot be written.
+    that cannot be, where packages are missing, and if another process makes it; OSError where the file cannot be written.
     """
     file = Path(file)
     if file.suffix.lower() != ".mp4":

@@ -78,8 +78,8 @@ def draw(directory):
 
 
 def _draw_case(axes, row, x, y):
-    """A cell: the verdict's colour and sign, its name, and dz where the pair has ended; of a run that
-    has not come to its own end, as one that blew up, what became of it."""
+    """A cell: the verdict's colour and sign, its name, and dz; of a run that has not come to its own
+    end, as one that blew up or came to a contact, its state."""
     state = row.get("state", "")
     verdict = row.get("verdict", "") if state in _ENDS else ""
     colour = VERDICT_COLOURS.get(verdict, "#bbbbbb")
@@ -90,7 +90,7 @@ def _draw_case(axes, row, x, y):
                   linestyle="none")
     axes.text(x, y - 0.07, verdict or state or "-", ha="center", va="center",
               fontsize=9, color=colour if verdict in VERDICT_COLOURS else GREY, fontweight="bold")
-    dz = _number(row.get("dz", ""))
+    dz = _number(row.get("dz", "")) if verdict else None
     if dz is not None:
         axes.text(x, y - 0.3, f"$\\Delta z$ = {parameters.number(round(dz, 2))}", ha="center",
                   va="center", fontsize=8, color=GREY)

@@ -4,12 +4,10 @@
 
 Draws the figures into DIRECTORY/figures, shapes and films into the directories of the runs, writes
 DIRECTORY/paper.json and DIRECTORY/report.html. What is newer than its run is not drawn again. The
-exit code is 2 where the directory is not what it should be, or packages are missing; 1 where a file
-could not be written.
+exit code is 2 where the directory is not what it should be, packages are missing, or another process
+makes the report or a film of one of the runs; 1 where a file could not be written.
 """
 import argparse
-import contextlib
-import fcntl
 import os
 import subprocess
 import sys
@@ -17,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import display, ending, films, pictures, rendering
+from .. import display, ending, files, films, pictures, rendering
 from ..errors import DuctileError
 from . import figures, report, results
 from .study import METHODS, PAIRS, Study
@@ -33,32 +31,21 @@ def make(directory, file=None, with_films=True, say=lambda text: None):
     """Makes the report of the study in a directory, and gives its Path.
 
     `say` is called with a line on what is done now and then. Raises DuctileError where there is no
-    study, or packages are missing; OSError where a file cannot be written.
+    study, packages are missing, or another process makes it or a film of one of its runs; OSError
+    where a file cannot be written.
     """
     directory = Path(directory)
     display.require(films.missing_packages() if with_films else [])
-    with _alone(directory):
-        return _make(directory, Path(file or directory / REPORT), with_films, say)
-
-
-@contextlib.contextmanager
-def _alone(directory):
-    """Keeps other processes from making a report of the same directory. Raises DuctileError if one
-    is at it."""
-    if not directory.is_dir():
-        raise DuctileError(f"{directory}: is no directory")
-    descriptor = os.open(directory, os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        yield
-    except BlockingIOError as error:
-        raise DuctileError(f"{directory}: another process makes its report") from error
-    finally:
-        os.close(descriptor)
-
-
-def _make(directory, file, with_films, say):
     study = Study(directory)
+    held = os.open(directory, os.O_RDONLY)
+    try:
+        files.lock(held, f"{directory}: another process makes its report")
+        return _make(directory, study, Path(file or directory / REPORT), with_films, say)
+    finally:
+        os.close(held)
+
+
+def _make(directory, study, file, with_films, say):
     found = results.of(directory, results.settings_of(directory))
     report.validate(found)
     results.write(directory, found)

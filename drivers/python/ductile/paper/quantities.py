@@ -616,9 +616,21 @@ def equilibrium_distance(case, pair, x_lag):
     return _of(case, _level_of_dz(case))
 
 
+def _came_to_nothing(case):
+    """Why a pair comes to no distance, or "" where it may."""
+    if case.summary.get("status") == "blew up":
+        return "the run blew up"
+    if case.summary.get("verdict") == _UNSTABLE:
+        return f"the pair is unstable: {case.summary.get('verdict_reason', '')}"
+    return ""
+
+
 def _level_of_dz(case):
     """Where dz comes to: by level(), else the limit that the program extrapolates to, else the line
-    about which a damped cosine swings."""
+    about which a damped cosine swings. A pair that parts, or whose run blew up, has none."""
+    ended = _came_to_nothing(case)
+    if ended:
+        return _none(ended, case.label)
     t, dz = case.run.series("dz")
     found = _if_better(level(t, dz), _LARGEST_OF_DZ)
     if found.known:
@@ -644,20 +656,22 @@ def _level_of_dz(case):
 _PARTS = 0.003
 
 
-def parting_time(case, pair, x_lag, distance=STATED["dz stop"].value):
+def parting_time(case, distance=STATED["dz stop"].value):
     """When dz comes to `distance` [W^2/nu] if it goes on as over the last quarter of the run (the
     paper: some 400 for B4 from x_lag = 0.2); when it did where it has. A pair that stays together
     has none, whatever dz does at the end of its run."""
     if case is None:
         return _missing("the case")
-    found = class_of(case, pair, x_lag)
-    if found.verdict in (_STABLE, _DAMPED, _BOUNDED):
-        return _none(f"the pair is {found.verdict}: {found.reason}", case.label)
+    verdict = case.summary.get("verdict")
+    if verdict in (_STABLE, _DAMPED, _BOUNDED):
+        return _none(f"the pair is {verdict}: {case.summary.get('verdict_reason', '')}", case.label)
     t, dz = case.run.series("dz")
     if dz[-1] >= distance:
         n = int(np.flatnonzero(dz >= distance)[0])
         step = float(t[n] - t[max(n - 1, 0)])
         return Quantity(Value(float(t[n]), step, step), how="reached", case=case.label)
+    if case.summary.get("status") == "blew up":
+        return _none("the run blew up", case.label)
     try:
         line = fit_line(t, dz, start=t[-1] - 0.25 * (t[-1] - t[0]))
     except DuctileError as error:
@@ -930,8 +944,6 @@ def rectangular_equilibrium(study, nodes=None):
     case = only_case(study, "rectangular", "clean", nodes)
     if case is None:
         return _missing("the pair of Fig. 15")
-    if case.summary.get("verdict") == _UNSTABLE:
-        return _none(f"the pair is unstable: {case.summary.get('verdict_reason', '')}", case.label)
     found = _of(case, _level_of_dz(case))
     if not found.known:
         return found

@@ -362,7 +362,7 @@ def _numbers(study):
                 unit, {method: one and getattr(one, what) for method, one in own.items()})
     stated = quantities.STATED["B4 parting"]
     add("B4-parting", "fig11", f"section {stated.section}", "t at which dz = 10, B4, x_lag = 0.2",
-        "W^2/nu", {method: quantities.parting_time(study.pair("B4", 0.2, method), "B4", 0.2)
+        "W^2/nu", {method: quantities.parting_time(study.pair("B4", 0.2, method))
                    for method in METHODS}, stated.value, stated.words, 100.0)
     add("fig14", "fig14", "appendix A, Fig. 14", "place on the diagonal, sqrt(x^2 + y^2)", "W",
         {method: quantities.diagonal_equilibrium(study, method) for method in METHODS})
