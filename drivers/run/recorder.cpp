@@ -317,7 +317,7 @@ void Recorder::warn_of_speed(const suspension::Sample& sample) {
     return;
   warn(
       fmt::format("{}: at t = {:.4g} bodies or walls are at Mach number {:.2f}, at most {} is "
-                  "sound: raise channel.nodes or lower fluid.tau",
+                  "sound: lower what drives them or fluid.tau, or raise channel.nodes",
                   too_fast, sample.time, sample.mach, largest_mach));
 }
 
