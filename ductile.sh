@@ -3,7 +3,7 @@
 #
 #   ./ductile.sh [-n RANKS] COMMAND ...    the program; `run`, `pair`, `resume`, `compare`, `bench` on all cores
 #   ./ductile.sh reproduce [--quick|--paper|--finer]  the paper's study, computed and laid beside the paper
-#   ./ductile.sh converge [DIR]            the cases of doc/convergence.md on five lattices, and their figures
+#   ./ductile.sh converge [DIR]            the cases of doc/convergence.md on up to six lattices, and their figures
 #   ./ductile.sh snakemake DIR [OPTION ...]  the cases of a campaign's directory, by Snakemake
 #   ./ductile.sh test [CTEST OPTION ...]   builds everything and runs the tests
 #   ./ductile.sh validate [CTEST ...]      the long validation runs

@@ -68,7 +68,7 @@ CASES = [
     ("M2-far", "M2", "far_nodes_@", turn, "M2, x_lag = 0.4: largest dz [W]"),
     ("M3", "M3", "lag-x_-0.2_nodes_@", last_distance, "M3, x_lag = -0.2: dz at t = 40 [W]"),
 ]
-NODES = (20, 24, 30, 36, 48)
+NODES = (20, 24, 30, 36, 48, 60)
 STATIC = {"array": "cubic array of spheres: K",
           "wall-far": "towards a wall, gap a: $F/6\\pi\\eta aU$",
           "wall-near": "towards a wall, gap 0.4 a: $F/6\\pi\\eta aU$",
