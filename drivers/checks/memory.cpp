@@ -22,7 +22,6 @@ constexpr double kilobyte = 1024;
 
 // Measured with heap profiles of runs; upper bounds rather than means.
 constexpr double halos = 1.1;         // slabs have planes of their neighbours
-constexpr double box_node = 80;       // force and velocity, density and momentum
 constexpr double rigid_vertex = 600;  // bytes
 constexpr double explicit_vertex = 2400;
 constexpr double implicit_vertex = 12400;  // its tangent has a row of some 40 blocks of 3 x 3
@@ -77,13 +76,19 @@ double known(double bytes) {
   return std::isfinite(bytes) ? std::max(0.0, bytes) : unlimited;
 }
 
-double of_body(const suspension::BodyPlan& body) {
+// Force and velocity in the precision of arithmetic, density and momentum in double.
+double box_node(const suspension::Plan& plan) {
+  const bool single = plan.fluid.arithmetic == fluid::Precision::single_precision;
+  return 6 * (single ? sizeof(float) : sizeof(double)) + 4 * sizeof(double);
+}
+
+double of_body(const suspension::BodyPlan& body, double node) {
   const auto vertices = static_cast<double>(surface::vertex_count(body.frequency));
   const BoxSize box = box_around(body);
   double each = rigid_vertex;
   if (const suspension::CapsulePlan* capsule = body.capsule())
     each = capsule->integrator.traits.weights.empty() ? implicit_vertex : explicit_vertex;
-  return vertices * each + box.rows * box.length * box_node;
+  return vertices * each + box.rows * box.length * node;
 }
 
 }  // namespace
@@ -92,7 +97,7 @@ MemoryNeed memory_needed(const Case& given) {
   const suspension::Plan& plan = given.plan;
   MemoryNeed need;
   need.shared = halos * population_bytes(plan);
-  for (const suspension::BodyPlan& body : plan.bodies) need.shared += of_body(body);
+  for (const suspension::BodyPlan& body : plan.bodies) need.shared += of_body(body, box_node(plan));
   need.gathered =
       static_cast<double>(plan.node_count()) * (given.schedule.fields > 0 ? shown_node : kept_node);
   return need;

@@ -91,10 +91,14 @@ void FluidImpl::place_patches(int index) {
     patch.size = {box[0].size(), box[1].size(), end - begin};
     patch.pitch = patch.size[2] + 2 * Patch::pad;
     const auto count = static_cast<std::size_t>(patch.size[0] * patch.size[1] * patch.pitch);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      patch.force[axis].assign(count, 0.0);
-      patch.velocity[axis].assign(count, 0.0);
-    }
+    if (options_.arithmetic == Precision::single_precision) patch.local = LocalFields<float>{};
+    std::visit(
+        [&](auto& local) {
+          for (auto* vectors : {&local.force, &local.velocity}) {
+            for (auto& values : *vectors) values.assign(count, 0);
+          }
+        },
+        patch.local);
     patches_.push_back(std::move(patch));
   }
 }
@@ -118,7 +122,7 @@ void FluidImpl::reached(int rank, std::span<const double> positions, std::vector
 
 void FluidImpl::make_moments(Patch& patch) {
   if (!patch.density.empty()) return;
-  const std::size_t count = patch.force[0].size();
+  const auto count = static_cast<std::size_t>(patch.size[0] * patch.size[1] * patch.pitch);
   patch.density.assign(count, 1.0);
   for (auto& momentum : patch.momentum) momentum.assign(count, 0.0);
 }
@@ -147,7 +151,11 @@ void FluidImpl::list_met() {
 
 void FluidImpl::drop_force() {
   for (Patch& patch : patches_) {
-    for (auto& force : patch.force) std::fill(force.begin(), force.end(), 0.0);
+    std::visit(
+        [](auto& local) {
+          for (auto& force : local.force) std::fill(force.begin(), force.end(), 0);
+        },
+        patch.local);
   }
 }
 
@@ -156,20 +164,25 @@ void FluidImpl::drop_force() {
 void FluidImpl::fold_force() {
   if (options_.mirror == Mirror::none) return;
   for (Patch& patch : patches_) {
-    for (int i = 0; i < patch.size[0]; ++i) {
-      for (int y = patch.begin[1]; y < 0; ++y) {
-        const std::ptrdiff_t low = patch.at(i, y - patch.begin[1], 0);
-        const std::ptrdiff_t high = patch.at(i, image(y) - patch.begin[1], 0);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const double sign = axis == 1 ? -1 : 1;
-          double* f = patch.force[axis].data();
-          for (int k = 0; k < patch.size[2]; ++k) f[high + k] += sign * f[low + k];
-          std::fill_n(f + low - Patch::pad, patch.pitch, 0.0);
-        }
+    std::visit([&](auto& local) { fold(patch, local.force); }, patch.local);
+  }
+}
+
+template <class Number>
+void FluidImpl::fold(const Patch& patch, std::array<std::vector<Number>, 3>& force) const {
+  for (int i = 0; i < patch.size[0]; ++i) {
+    for (int y = patch.begin[1]; y < 0; ++y) {
+      const std::ptrdiff_t low = patch.at(i, y - patch.begin[1], 0);
+      const std::ptrdiff_t high = patch.at(i, image(y) - patch.begin[1], 0);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Number sign = axis == 1 ? -1 : 1;
+        Number* f = force[axis].data();
+        for (int k = 0; k < patch.size[2]; ++k) f[high + k] += sign * f[low + k];
+        std::fill_n(f + low - Patch::pad, patch.pitch, Number{0});
       }
-      if (const auto first = row_on_plane(patch, i)) {
-        std::fill_n(&patch.force[1][*first], patch.pitch, 0.0);
-      }
+    }
+    if (const auto first = row_on_plane(patch, i)) {
+      std::fill_n(&force[1][*first], patch.pitch, Number{0});
     }
   }
 }
@@ -177,14 +190,18 @@ void FluidImpl::fold_force() {
 void FluidImpl::double_force_on_plane() {
   if (options_.mirror != Mirror::on_node) return;
   for (Patch& patch : patches_) {
-    for (int i = 0; i < patch.size[0]; ++i) {
-      const auto first = row_on_plane(patch, i);
-      if (!first) continue;
-      for (const std::size_t axis : {0, 2}) {
-        double* f = &patch.force[axis][*first];
-        for (std::ptrdiff_t n = 0; n < patch.pitch; ++n) f[n] *= 2;
-      }
-    }
+    std::visit(
+        [&](auto& local) {
+          for (int i = 0; i < patch.size[0]; ++i) {
+            const auto first = row_on_plane(patch, i);
+            if (!first) continue;
+            for (const std::size_t axis : {0, 2}) {
+              auto* f = &local.force[axis][*first];
+              for (std::ptrdiff_t n = 0; n < patch.pitch; ++n) f[n] *= 2;
+            }
+          }
+        },
+        patch.local);
   }
 }
 
@@ -195,48 +212,65 @@ std::optional<std::size_t> FluidImpl::row_on_plane(const Patch& patch, int i) co
   return static_cast<std::size_t>(patch.at(i, j, -Patch::pad));
 }
 
-void FluidImpl::fill_image(const Patch& patch, std::vector<double>& values, double sign) const {
+template <class Number>
+void FluidImpl::fill_image(const Patch& patch, std::vector<Number>& values, Number sign) const {
   for (int i = 0; i < patch.size[0]; ++i) {
     for (int y = patch.begin[1]; y < 0; ++y) {
-      const double* from = values.data() + patch.at(i, image(y) - patch.begin[1], 0);
-      double* to = values.data() + patch.at(i, y - patch.begin[1], 0);
+      const Number* from = values.data() + patch.at(i, image(y) - patch.begin[1], 0);
+      Number* to = values.data() + patch.at(i, y - patch.begin[1], 0);
       for (int k = 0; k < patch.size[2]; ++k) to[k] = sign * from[k];
     }
   }
 }
 
-void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const {
+template <class Number>
+void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<Number>, 3>& vectors) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    fill_image(patch, vectors[axis], axis == 1 ? -1 : 1);
+    fill_image(patch, vectors[axis], axis == 1 ? Number{-1} : Number{1});
   }
+}
+
+void FluidImpl::fill_image_of_velocity(Patch& patch) const {
+  std::visit([&](auto& local) { fill_image(patch, local.velocity); }, patch.local);
+}
+
+void FluidImpl::fill_image_of_moments(Patch& patch) const {
+  fill_image(patch, patch.density, 1.0);
+  fill_image(patch, patch.momentum);
 }
 
 void FluidImpl::update_velocity() {
   fold_force();
   for (Patch& patch : patches_) {
     make_moments(patch);
-    const int rows = patch.size[0] * patch.size[1];
-    for (int r = 0; r < rows; ++r) {
-      const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
-      // On a mirror plane the image's force is still to be added.
-      const auto on_plane = row_on_plane(patch, r / patch.size[1]);
-      const double half = on_plane == static_cast<std::size_t>(first - Patch::pad) ? 1 : 0.5;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        double* u = patch.velocity[axis].data() + first;
-        const double* momentum = patch.momentum[axis].data() + first;
-        const double* force = patch.force[axis].data() + first;
-        const double* density = patch.density.data() + first;
+    std::visit([&](auto& local) { update(patch, local); }, patch.local);
+    fill_image_of_velocity(patch);
+  }
+}
+
+template <class Number>
+void FluidImpl::update(const Patch& patch, LocalFields<Number>& local) const {
+  const int rows = patch.size[0] * patch.size[1];
+  const int planes = patch.size[2];
+  for (int r = 0; r < rows; ++r) {
+    const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
+    // On a mirror plane the image's force is still to be added.
+    const auto on_plane = row_on_plane(patch, r / patch.size[1]);
+    const double half = on_plane == static_cast<std::size_t>(first - Patch::pad) ? 1 : 0.5;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Number* u = local.velocity[axis].data() + first;
+      const Number* force = local.force[axis].data() + first;
+      const double* momentum = patch.momentum[axis].data() + first;
+      const double* density = patch.density.data() + first;
 #ifdef __clang__
 #pragma clang loop vectorize(assume_safety)
 #else
 #pragma GCC ivdep
 #endif
-        for (int k = 0; k < patch.size[2]; ++k) {
-          u[k] = (momentum[k] + half * force[k]) / density[k];
-        }
+      for (int k = 0; k < planes; ++k) {
+        u[k] = static_cast<Number>((momentum[k] + half * force[k]) / density[k]);
       }
     }
-    fill_image(patch, patch.velocity);
   }
 }
 

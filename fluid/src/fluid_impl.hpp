@@ -90,9 +90,9 @@ class FluidImpl {
   void fold_force();
   /// Adds the image of force on a mirror plane that goes through nodes; once a step.
   void double_force_on_plane();
-  /// Values of a patch below a mirror plane become the images of those above.
-  void fill_image(const Patch& patch, std::vector<double>& values, double sign) const;
-  void fill_image(const Patch& patch, std::array<std::vector<double>, 3>& vectors) const;
+  /// What a patch has below a mirror plane becomes the image of what is above.
+  void fill_image_of_velocity(Patch& patch) const;
+  void fill_image_of_moments(Patch& patch) const;
 
   Options options_;
   Communicator comm_;
@@ -115,6 +115,14 @@ class FluidImpl {
   /// wall_velocity_ has changed.
   virtual void walls_moved() = 0;
   void place_patches(int index);
+  template <class Number>
+  void fold(const Patch& patch, std::array<std::vector<Number>, 3>& force) const;
+  template <class Number>
+  void update(const Patch& patch, LocalFields<Number>& local) const;
+  template <class Number>
+  void fill_image(const Patch& patch, std::vector<Number>& values, Number sign) const;
+  template <class Number>
+  void fill_image(const Patch& patch, std::array<std::vector<Number>, 3>& vectors) const;
   void list_met();
   [[nodiscard]] std::optional<std::size_t> row_on_plane(const Patch& patch, int i) const;
   [[nodiscard]] std::vector<double> of_all_planes(const std::vector<double>& own, int each) const;

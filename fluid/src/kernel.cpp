@@ -435,11 +435,12 @@ template <class V, class Real, class Which>
 }
 
 template <class V, class Which>
-[[gnu::always_inline]] inline Vector<V> load_vector(const double* const* from, int k, Which which) {
+[[gnu::always_inline]] inline Vector<V> load_vector(const Number<V>* const* from, int k,
+                                                    Which which) {
   return {load<V>(from[0] + k, which), load<V>(from[1] + k, which), load<V>(from[2] + k, which)};
 }
 template <class V, class Which>
-[[gnu::always_inline]] inline void store_vector(double* const* to, int k, const Vector<V>& v,
+[[gnu::always_inline]] inline void store_vector(Number<V>* const* to, int k, const Vector<V>& v,
                                                 Which which) {
   store(to[0] + k, v.x, which);
   store(to[1] + k, v.y, which);
@@ -453,7 +454,7 @@ template <class V>
 }
 
 template <bool local, class V, class Which>
-[[gnu::always_inline]] inline Vector<V> force_at(const RowForce& force, int k,
+[[gnu::always_inline]] inline Vector<V> force_at(const RowForce<Number<V>>& force, int k,
                                                  [[maybe_unused]] Which which) {
   Vector<V> f = uniform<V>(force.uniform);
   if constexpr (local) {
@@ -482,7 +483,8 @@ struct WallRule {
   double u[3];
   double f[3];
 
-  WallRule(const RowForce& force, const RowWall& wall)
+  template <class T>
+  WallRule(const RowForce<T>& force, const RowWall& wall)
       : u{wall.velocity[0], wall.velocity[1], wall.velocity[2]},
         f{force.uniform[0], force.uniform[1], force.uniform[2]} {}
 
@@ -647,7 +649,7 @@ template <class T, class Real, class F>
 
 // Rows are taken by value here, so that the compiler sees that no store changes where they are.
 template <class T, bool compressible, bool local, class Real>
-void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowForce force) {
+void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowForce<T> force) {
   for_nodes_ahead<T>(
       row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
         const Vector<V> f = force_at<local, V>(force, k, which);
@@ -667,7 +669,7 @@ void collide_row(Row<Real> row, int begin, int end, Relaxation relaxation, RowFo
 
 template <class T, bool compressible, class Real>
 void collide(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
-             const RowForce& force) {
+             const RowForce<T>& force) {
   if (force.local[0] != nullptr) {
     collide_row<T, compressible, true>(row, begin, end, relaxation, force);
   } else {
@@ -698,7 +700,7 @@ void for_wall(const RowWall& wall, F&& f) {
 
 template <class T, bool compressible, int nx, int ny, class Real>
 void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
-                      const RowForce& force, const RowWall& wall) {
+                      const RowForce<T>& force, const RowWall& wall) {
   const WallRule<nx, ny, compressible> rule(force, wall);
   for_nodes_ahead<T>(
       row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
@@ -708,15 +710,15 @@ void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
 
 template <class T, bool compressible, class Real>
 void collide_wall(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
-                  const RowForce& force, const RowWall& wall) {
+                  const RowForce<T>& force, const RowWall& wall) {
   for_wall(wall, [&]<int nx, int ny>() {
     collide_wall_row<T, compressible, nx, ny>(row, begin, end, relaxation, force, wall);
   });
 }
 
-template <int nx, int ny, class Real>
-void wall_density_row(Row<Real> row, int begin, int end, const RowForce& force, const RowWall& wall,
-                      double* density) {
+template <int nx, int ny, class Real, class T>
+void wall_density_row(Row<Real> row, int begin, int end, const RowForce<T>& force,
+                      const RowWall& wall, double* density) {
   const WallRule<nx, ny, true> rule(force, wall);  // of which the density is no matter here
   for_nodes_ahead<double>(
       row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
@@ -725,8 +727,8 @@ void wall_density_row(Row<Real> row, int begin, int end, const RowForce& force, 
       });
 }
 
-template <class Real>
-void wall_density(const Row<Real>& row, int begin, int end, const RowForce& force,
+template <class Real, class T>
+void wall_density(const Row<Real>& row, int begin, int end, const RowForce<T>& force,
                   const RowWall& wall, double* density) {
   for_wall(wall, [&]<int nx, int ny>() {
     wall_density_row<nx, ny>(row, begin, end, force, wall, density);
@@ -782,20 +784,18 @@ void stream(const Row<Real>& row, int begin, int end) {
 namespace DUCTILE_INSTRUCTION_SET {
 
 template <class Real, class T, bool compressible>
-constexpr Kernel<Real> functions = {collide<T, compressible, Real>,
-                                    collide_wall<T, compressible, Real>,
-                                    wall_density<Real>,
-                                    moments<Real>,
-                                    add_flow<compressible, Real>,
-                                    stream<Real>};
+constexpr Kernel<Real, T> functions = {
+    collide<T, compressible, Real>, collide_wall<T, compressible, Real>,
+    wall_density<Real, T>,          moments<Real>,
+    add_flow<compressible, Real>,   stream<Real>};
 
 template <class Real, class T>
-const Kernel<Real>& kernel(bool compressible) {
+const Kernel<Real, T>& kernel(bool compressible) {
   return compressible ? functions<Real, T, true> : functions<Real, T, false>;
 }
-template const Kernel<double>& kernel<double, double>(bool);
-template const Kernel<float>& kernel<float, double>(bool);
-template const Kernel<float>& kernel<float, float>(bool);
+template const Kernel<double, double>& kernel<double, double>(bool);
+template const Kernel<float, double>& kernel<float, double>(bool);
+template const Kernel<float, float>& kernel<float, float>(bool);
 
 }  // namespace DUCTILE_INSTRUCTION_SET
 

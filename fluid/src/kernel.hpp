@@ -23,11 +23,12 @@ struct Relaxation {
 };
 
 /// Force density: uniform, plus arrays over the row where they are not null. Where there are such,
-/// the velocity goes to other arrays over the row.
+/// the velocity goes to other arrays over the row. T is what the collision computes in.
+template <class T>
 struct RowForce {
   double uniform[3];
-  const double* local[3];
-  double* velocity[3];
+  const T* local[3];
+  T* velocity[3];
 };
 
 /// A regularized wall on the row: which way its normal points into the fluid, in x and y (-1, 0, 1;
@@ -37,20 +38,20 @@ struct RowWall {
   double velocity[3];
 };
 
-/// The operations on nodes [begin, end) of a row, for one instruction set and one precision of the
-/// collision's arithmetic; what is only looked at is computed in double. A node's result is the
+/// The operations on nodes [begin, end) of a row, for one instruction set and a collision that
+/// computes in T; what is only looked at is computed in double. A node's result is the
 /// same to the last bit with any set, and wherever the node stands in the row.
-template <class Real>
+template <class Real, class T>
 struct Kernel {
   /// Collision, eqs. (2)-(6).
   void (*collide)(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
-                  const RowForce& force);
+                  const RowForce<T>& force);
   /// The same on a regularized wall: the populations are first replaced by those of Latt et al.
   /// 2008. Local forces are not read.
   void (*collide_wall)(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
-                       const RowForce& force, const RowWall& wall);
+                       const RowForce<T>& force, const RowWall& wall);
   /// Density less one on a regularized wall, of the populations that collide_wall() will make.
-  void (*wall_density)(const Row<Real>& row, int begin, int end, const RowForce& force,
+  void (*wall_density)(const Row<Real>& row, int begin, int end, const RowForce<T>& force,
                        const RowWall& wall, double* density);
   /// Density less one and momentum, without any force; not for rows on a regularized wall.
   void (*moments)(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
@@ -65,20 +66,20 @@ struct Kernel {
 /// kernel.cpp, compiled once for each of them.
 namespace baseline {
 template <class Real, class T>
-const Kernel<Real>& kernel(bool compressible);
+const Kernel<Real, T>& kernel(bool compressible);
 }
 namespace avx2 {
 template <class Real, class T>
-const Kernel<Real>& kernel(bool compressible);
+const Kernel<Real, T>& kernel(bool compressible);
 }
 namespace avx512 {
 template <class Real, class T>
-const Kernel<Real>& kernel(bool compressible);
+const Kernel<Real, T>& kernel(bool compressible);
 }
 
 /// Of populations stored as Real, whose collision computes in T, with the one or the other
 /// Equilibrium. `set` must be available.
 template <class Real, class T>
-const Kernel<Real>& kernel(InstructionSet set, bool compressible);
+const Kernel<Real, T>& kernel(InstructionSet set, bool compressible);
 
 }  // namespace ductile::fluid

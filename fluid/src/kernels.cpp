@@ -4,7 +4,7 @@
 namespace ductile::fluid {
 
 template <class Real, class T>
-const Kernel<Real>& kernel(InstructionSet set, bool compressible) {
+const Kernel<Real, T>& kernel(InstructionSet set, bool compressible) {
 #ifdef DUCTILE_X86
   if (set == InstructionSet::avx512) return avx512::kernel<Real, T>(compressible);
   if (set == InstructionSet::avx2) return avx2::kernel<Real, T>(compressible);
@@ -12,8 +12,9 @@ const Kernel<Real>& kernel(InstructionSet set, bool compressible) {
   return baseline::kernel<Real, T>(compressible);
 }
 
-template const Kernel<double>& kernel<double, double>(InstructionSet set, bool compressible);
-template const Kernel<float>& kernel<float, double>(InstructionSet set, bool compressible);
-template const Kernel<float>& kernel<float, float>(InstructionSet set, bool compressible);
+template const Kernel<double, double>& kernel<double, double>(InstructionSet set,
+                                                              bool compressible);
+template const Kernel<float, double>& kernel<float, double>(InstructionSet set, bool compressible);
+template const Kernel<float, float>& kernel<float, float>(InstructionSet set, bool compressible);
 
 }  // namespace ductile::fluid

@@ -3,11 +3,20 @@
 
 #include <array>
 #include <cstddef>
+#include <variant>
 #include <vector>
 
 #include "ductile/fluid/fluid.hpp"
 
 namespace ductile::fluid {
+
+/// Force and velocity on a patch's nodes. T is what the collision computes in: bodies read and
+/// write far more of these than of anything else.
+template <class T>
+struct LocalFields {
+  std::array<std::vector<T>, 3> force;     ///< beyond the uniform one, for the next step
+  std::array<std::vector<T>, 3> velocity;  ///< (momentum + force/2)/density
+};
 
 /// The part of a box that lies on this rank: where a force acts that varies from node to node, and
 /// where the velocity is known. Arrays run over x, y, z, z fastest; each row of z is `pitch` long,
@@ -24,8 +33,7 @@ struct Patch {
   std::array<int, 3> size{};   ///< own nodes along each axis
   std::ptrdiff_t pitch = 0;
 
-  std::array<std::vector<double>, 3> force;     ///< beyond the uniform one, for the next step
-  std::array<std::vector<double>, 3> velocity;  ///< (momentum + force/2)/density
+  std::variant<LocalFields<double>, LocalFields<float>> local;
   /// As of read_velocity(), empty until it is called; 1 if the density weighs nothing.
   std::vector<double> density;
   std::array<std::vector<double>, 3> momentum;

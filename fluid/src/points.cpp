@@ -24,20 +24,19 @@ PatchField<Number> field_of(const Patch& patch, const std::array<Number*, 3>& co
 
 }  // namespace
 
-const StencilKernel& stencil_kernel([[maybe_unused]] InstructionSet set) {
+template <class Number>
+const StencilKernel<Number>& stencil_kernel([[maybe_unused]] InstructionSet set) {
 #ifdef DUCTILE_X86
-  if (set == InstructionSet::avx512) return avx512::stencil_kernel();
-  if (set == InstructionSet::avx2) return avx2::stencil_kernel();
+  if (set == InstructionSet::avx512) return avx512::stencil_kernel<Number>();
+  if (set == InstructionSet::avx2) return avx2::stencil_kernel<Number>();
 #endif
-  return baseline::stencil_kernel();
+  return baseline::stencil_kernel<Number>();
 }
 
 class Points::Impl {
  public:
   Impl(FluidImpl& fluid, int box)
-      : fluid_(fluid),
-        box_(fluid.holder_.at(static_cast<std::size_t>(box))),
-        kernel_(stencil_kernel(*fluid.options_.instruction_set)) {}
+      : fluid_(fluid), box_(fluid.holder_.at(static_cast<std::size_t>(box))) {}
 
   void locate(std::span<const double> positions) {
     count_ = positions.size() / 3;
@@ -61,22 +60,32 @@ class Points::Impl {
   void add_force(const double* force) {
     for (Patch& patch : fluid_.patches_) {
       if (patch.box != box_) continue;
-      auto& f = patch.force;
-      kernel_.spread(x_.data(), count_, force,
-                     field_of<double>(patch, {f[0].data(), f[1].data(), f[2].data()}),
-                     fluid_.period());
+      std::visit(
+          [&]<class Number>(LocalFields<Number>& local) {
+            auto& f = local.force;
+            kernel<Number>().spread(
+                x_.data(), count_, force,
+                field_of<Number>(patch, {f[0].data(), f[1].data(), f[2].data()}), fluid_.period());
+          },
+          patch.local);
     }
   }
   void velocities(double* velocity, double* partial) const {
     part_sums_.assign(12 * part_.size(), 0.0);
     for (const Patch& patch : fluid_.patches_) {
       if (patch.box != box_) continue;
-      const auto& u = patch.velocity;
-      const auto field = field_of<const double>(patch, {u[0].data(), u[1].data(), u[2].data()});
-      kernel_.interpolate(x_.data(), count_, field, fluid_.period(), velocity);
-      if (part_.empty()) continue;
-      kernel_.interpolate_planes(part_x_.data(), part_.size(), field, fluid_.period(),
-                                 part_sums_.data());
+      std::visit(
+          [&]<class Number>(const LocalFields<Number>& local) {
+            const auto& u = local.velocity;
+            const auto field =
+                field_of<const Number>(patch, {u[0].data(), u[1].data(), u[2].data()});
+            const StencilKernel<Number>& loops = kernel<Number>();
+            loops.interpolate(x_.data(), count_, field, fluid_.period(), velocity);
+            if (part_.empty()) return;
+            loops.interpolate_planes(part_x_.data(), part_.size(), field, fluid_.period(),
+                                     part_sums_.data());
+          },
+          patch.local);
     }
     for (std::size_t n = 0; n < part_.size(); ++n) {
       const double* sums = &part_sums_[12 * n];
@@ -90,6 +99,10 @@ class Points::Impl {
   }
 
  private:
+  template <class Number>
+  [[nodiscard]] const StencilKernel<Number>& kernel() const {
+    return stencil_kernel<Number>(*fluid_.options_.instruction_set);
+  }
   [[nodiscard]] bool in_one_patch(std::size_t m) const {
     const int first = first_image(first_node(x_[3 * m + 2]), fluid_.period());
     return std::any_of(fluid_.patches_.begin(), fluid_.patches_.end(), [&](const Patch& patch) {
@@ -107,7 +120,6 @@ class Points::Impl {
 
   FluidImpl& fluid_;
   int box_;  // of FluidImpl::boxes_
-  const StencilKernel& kernel_;
   std::size_t count_ = 0;
   std::vector<double> x_;
   std::vector<std::size_t> part_;  // points whose planes are not all in one patch

@@ -86,7 +86,7 @@ class Populations final : public FluidImpl {
   void arrive(const Row<Real>& row, int x, int y);
   void depart(const Row<Real>& row, int x, int y);
   void fetch_ends(int x, int y);
-  [[nodiscard]] RowForce uniform_force() const;
+  [[nodiscard]] RowForce<T> uniform_force() const;
   void collide_row(const Row<Real>& row, int x, int y);
   // The row's populations complete, as of now.
   Row<Real> complete_row(int x, int y);
@@ -97,7 +97,7 @@ class Populations final : public FluidImpl {
   int nx_;
   int ny_;
   Slab<Real> slab_of_;
-  const Kernel<Real>& kernel_;
+  const Kernel<Real, T>& kernel_;
   // The slots of a column's five shifts in an even and in an odd step, -1 for none. In an odd step
   // they are its own; the row at +shift fetches what the even step leaves.
   std::array<std::vector<std::array<int, 5>>, 2> slots_;
@@ -212,7 +212,7 @@ void Populations<Real, T>::depart(const Row<Real>& row, int x, int y) {
 }
 
 template <class Real, class T>
-RowForce Populations<Real, T>::uniform_force() const {
+RowForce<T> Populations<Real, T>::uniform_force() const {
   return {
       {force_[0], force_[1], force_[2]}, {nullptr, nullptr, nullptr}, {nullptr, nullptr, nullptr}};
 }
@@ -220,7 +220,7 @@ RowForce Populations<Real, T>::uniform_force() const {
 // The forces of patches that meet the row act and are used up, and the velocity is left there.
 template <class Real, class T>
 void Populations<Real, T>::collide_row(const Row<Real>& row, int x, int y) {
-  const RowForce uniform = uniform_force();
+  const RowForce<T> uniform = uniform_force();
   if (const RowWall* wall = slab_of_.wall(x, y)) {
     kernel_.collide_wall(row, 0, slab_of_.planes(), relaxation_, uniform, *wall);
     return;
@@ -233,14 +233,15 @@ void Populations<Real, T>::collide_row(const Row<Real>& row, int x, int y) {
       const std::ptrdiff_t first = patch.at(x - patch.begin[0], y - patch.begin[1], 0);
       kernel_.collide(row, done, begin, relaxation_, uniform);
       done = begin + patch.size[2];
-      RowForce force = uniform;
+      auto& local = std::get<LocalFields<T>>(patch.local);
+      RowForce<T> force = uniform;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        force.local[axis] = patch.force[axis].data() + first - begin;
-        force.velocity[axis] = patch.velocity[axis].data() + first - begin;
+        force.local[axis] = local.force[axis].data() + first - begin;
+        force.velocity[axis] = local.velocity[axis].data() + first - begin;
       }
       kernel_.collide(row, begin, done, relaxation_, force);
-      for (auto& of_axis : patch.force) {
-        std::fill_n(of_axis.data() + first - Patch::pad, patch.pitch, 0.0);
+      for (auto& of_axis : local.force) {
+        std::fill_n(of_axis.data() + first - Patch::pad, patch.pitch, T{0});
       }
     }
   }
@@ -281,7 +282,7 @@ void Populations<Real, T>::step() {
   for (; sent < parts; ++sent) halo_.send(sent);
   if (around) halo_.send(0);
   drive_moving_walls();
-  for (Patch& patch : patches_) fill_image(patch, patch.velocity);
+  for (Patch& patch : patches_) fill_image_of_velocity(patch);
   halo_.end_step();
   move_lattice();
   ++time_;
@@ -410,8 +411,7 @@ void Populations<Real, T>::read_velocity() {
         }
       }
     }
-    fill_image(patch, patch.density, 1);
-    fill_image(patch, patch.momentum);
+    fill_image_of_moments(patch);
   }
 }
 
@@ -569,8 +569,8 @@ std::size_t Populations<Real, T>::memory() const {
   for (const auto& slots : slots_) bytes += slots.size() * sizeof slots[0];
   bytes += (first_met_.size() + met_.size()) * sizeof(std::size_t);
   for (const Patch& patch : patches_) {
-    const std::size_t arrays = patch.density.empty() ? 6 : 10;
-    bytes += arrays * sizeof(double) * patch.force[0].size();
+    const auto& local = std::get<LocalFields<T>>(patch.local);
+    bytes += 6 * sizeof(T) * local.force[0].size() + 4 * sizeof(double) * patch.density.size();
   }
   return bytes;
 }

@@ -9,14 +9,28 @@ namespace ductile::fluid {
 namespace {
 
 using IntLanes [[gnu::vector_size(4 * sizeof(int))]] = int;
+template <class Number>
+struct FourOf {
+  using type [[gnu::vector_size(4 * sizeof(Number))]] = Number;
+};
+template <class Number>
+using Four = typename FourOf<Number>::type;
+
+template <class Number>
+[[gnu::always_inline]] inline Four<Number> load_four(const Number* from) {
+  Four<Number> values;
+  __builtin_memcpy(&values, from, sizeof values);
+  return values;
+}
 
 // How some points meet the lattice: point m the nodes from base[3 m + axis] to 3 beyond, with phi,
 // eq. (17), at each of them from phi[12 m + 4 axis] on. It is cheaper to compute for a few points
 // at a time than to keep and to fetch.
+template <class Number>
 struct Stencils {
   static constexpr std::size_t most = 32;  // points, a multiple of 4
   alignas(64) int base[3 * most];
-  alignas(64) double phi[12 * most];
+  alignas(64) Number phi[12 * most];
 
   // As weights() of delta.hpp, of four coordinates.
   [[gnu::always_inline]] void locate_four(std::size_t n, Lanes x) {
@@ -29,7 +43,8 @@ struct Stencils {
     Lanes p[4] = {0.125 * (3 - 2 * r - s), 0.125 * (3 - 2 * r + s), 0.125 * (1 + 2 * r + s),
                   0.125 * (1 + 2 * r - s)};
     transpose(p);
-    for (std::size_t k = 0; k < 4; ++k) store(phi + 4 * (n + k), p[k]);
+    for (std::size_t k = 0; k < 4; ++k)
+      store(phi + 4 * (n + k), __builtin_convertvector(p[k], Four<Number>));
   }
 
   [[gnu::always_inline]] void locate(const double* x, std::size_t count) {
@@ -44,11 +59,12 @@ struct Stencils {
 };
 
 // Calls f(m, base, phi) for all points.
-template <class F>
+template <class Number, class F>
 [[gnu::always_inline]] inline void for_stencils(const double* x, std::size_t count, F&& f) {
-  Stencils stencils{};
-  for (std::size_t first = 0; first < count; first += Stencils::most) {
-    const std::size_t some = count - first < Stencils::most ? count - first : Stencils::most;
+  Stencils<Number> stencils{};
+  constexpr std::size_t most = Stencils<Number>::most;
+  for (std::size_t first = 0; first < count; first += most) {
+    const std::size_t some = count - first < most ? count - first : most;
     stencils.locate(x + 3 * first, some);
     for (std::size_t m = 0; m < some; ++m)
       f(first + m, stencils.base + 3 * m, stencils.phi + 12 * m);
@@ -86,24 +102,27 @@ template <class Number>
   return (i * field.size[1] + j) * field.pitch + field.pad + k;
 }
 
+template <class Number>
 void spread(const double* x, std::size_t count, const double* force,
-            const PatchField<double>& field, int period) {
+            const PatchField<Number>& field, int period) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
-  for_stencils(
+  for_stencils<Number>(
       x,
-      count, [&](std::size_t m, const int* base, const double* phi) __attribute__((always_inline)) {
+      count, [&](std::size_t m, const int* base, const Number* phi) __attribute__((always_inline)) {
         for_images(
             base[2], field, period, [&](int k) __attribute__((always_inline)) {
-              const Lanes z = load(phi + 8);
-              const Lanes f[3] = {z * force[3 * m], z * force[3 * m + 1], z * force[3 * m + 2]};
+              const Four<Number> z = load_four(phi + 8);
+              Four<Number> f[3];
+              for (std::size_t axis = 0; axis < 3; ++axis)
+                f[axis] = z * static_cast<Number>(force[3 * m + axis]);
               const std::ptrdiff_t first = corner(base, field, k);
               for (int i = 0; i < 4; ++i) {
                 for (int j = 0; j < 4; ++j) {
-                  const double w = phi[i] * phi[4 + j];
+                  const Number w = phi[i] * phi[4 + j];
                   const std::ptrdiff_t n = first + i * across + j * field.pitch;
                   for (int axis = 0; axis < 3; ++axis) {
-                    double* to = field.component[axis] + n;
-                    store(to, load(to) + w * f[axis]);
+                    Number* to = field.component[axis] + n;
+                    store(to, load_four(to) + w * f[axis]);
                   }
                 }
               }
@@ -112,29 +131,30 @@ void spread(const double* x, std::size_t count, const double* force,
 }
 
 // Calls f(axis, terms) with the four planes' terms of each component.
-template <class F>
-[[gnu::always_inline]] inline void for_terms(const int* base, const double* phi,
-                                             const PatchField<const double>& field, int k, F&& f) {
+template <class Number, class F>
+[[gnu::always_inline]] inline void for_terms(const int* base, const Number* phi,
+                                             const PatchField<const Number>& field, int k, F&& f) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
   const std::ptrdiff_t first = corner(base, field, k);
-  Lanes u[3] = {};
+  Four<Number> u[3] = {};
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
-      const double w = phi[i] * phi[4 + j];
+      const Number w = phi[i] * phi[4 + j];
       const std::ptrdiff_t n = first + i * across + j * field.pitch;
-      for (int axis = 0; axis < 3; ++axis) u[axis] += w * load(field.component[axis] + n);
+      for (int axis = 0; axis < 3; ++axis) u[axis] += w * load_four(field.component[axis] + n);
     }
   }
-  const Lanes z = load(phi + 8);
-  for (int axis = 0; axis < 3; ++axis) f(axis, z * u[axis]);
+  const Four<Number> z = load_four(phi + 8);
+  for (int axis = 0; axis < 3; ++axis) f(axis, __builtin_convertvector(z * u[axis], Lanes));
 }
 
 // Sums as sum_of_planes() does, which other ranks use for what they have in parts.
-void interpolate(const double* x, std::size_t count, const PatchField<const double>& field,
+template <class Number>
+void interpolate(const double* x, std::size_t count, const PatchField<const Number>& field,
                  int period, double* velocity) {
-  for_stencils(
+  for_stencils<Number>(
       x,
-      count, [&](std::size_t m, const int* base, const double* phi) __attribute__((always_inline)) {
+      count, [&](std::size_t m, const int* base, const Number* phi) __attribute__((always_inline)) {
         const int k = folded(base[2] - field.begin[2], period);
         if (k < 0 || k + 4 > field.size[2]) return;
         double* u = velocity + 3 * m;
@@ -145,11 +165,12 @@ void interpolate(const double* x, std::size_t count, const PatchField<const doub
       });
 }
 
-void interpolate_planes(const double* x, std::size_t count, const PatchField<const double>& field,
+template <class Number>
+void interpolate_planes(const double* x, std::size_t count, const PatchField<const Number>& field,
                         int period, double* partial) {
-  for_stencils(
+  for_stencils<Number>(
       x,
-      count, [&](std::size_t m, const int* base, const double* phi) __attribute__((always_inline)) {
+      count, [&](std::size_t m, const int* base, const Number* phi) __attribute__((always_inline)) {
         for_images(
             base[2], field, period, [&](int k) __attribute__((always_inline)) {
               for_terms(
@@ -165,10 +186,14 @@ void interpolate_planes(const double* x, std::size_t count, const PatchField<con
 
 namespace DUCTILE_INSTRUCTION_SET {
 
-const StencilKernel& stencil_kernel() {
-  static constexpr StencilKernel functions = {spread, interpolate, interpolate_planes};
+template <class Number>
+const StencilKernel<Number>& stencil_kernel() {
+  static constexpr StencilKernel<Number> functions = {spread<Number>, interpolate<Number>,
+                                                      interpolate_planes<Number>};
   return functions;
 }
+template const StencilKernel<double>& stencil_kernel<double>();
+template const StencilKernel<float>& stencil_kernel<float>();
 
 }  // namespace DUCTILE_INSTRUCTION_SET
 

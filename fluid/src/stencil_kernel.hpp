@@ -18,33 +18,39 @@ struct PatchField {
 };
 
 /// `x` holds 3 `count` numbers, x y z of each point in turn. The same bits with each instruction
-/// set. `period` is the number of planes after which z repeats, 0 if it does not.
+/// set. `period` is the number of planes after which z repeats, 0 if it does not. Where points are
+/// is computed in double, all else in Number.
+template <class Number>
 struct StencilKernel {
   /// Adds F_m phi phi phi to the field, point by point, eq. (16).
   void (*spread)(const double* x, std::size_t count, const double* force,
-                 const PatchField<double>& field, int period);
+                 const PatchField<Number>& field, int period);
   /// velocity[3 m ..] <- eq. (15) for each point of which the field has all four planes, its terms
-  /// added plane by plane.
-  void (*interpolate)(const double* x, std::size_t count, const PatchField<const double>& field,
+  /// added plane by plane, in double.
+  void (*interpolate)(const double* x, std::size_t count, const PatchField<const Number>& field,
                       int period, double* velocity);
   /// Adds, for each point, the field's contribution to eq. (15) from each of its four planes:
   /// partial[12 m + 4 component + plane].
   void (*interpolate_planes)(const double* x, std::size_t count,
-                             const PatchField<const double>& field, int period, double* partial);
+                             const PatchField<const Number>& field, int period, double* partial);
 };
 
 /// stencil_kernel.cpp, compiled once for each of them.
 namespace baseline {
-const StencilKernel& stencil_kernel();
+template <class Number>
+const StencilKernel<Number>& stencil_kernel();
 }
 namespace avx2 {
-const StencilKernel& stencil_kernel();
+template <class Number>
+const StencilKernel<Number>& stencil_kernel();
 }
 namespace avx512 {
-const StencilKernel& stencil_kernel();
+template <class Number>
+const StencilKernel<Number>& stencil_kernel();
 }
 
 /// `set` must be available.
-const StencilKernel& stencil_kernel(InstructionSet set);
+template <class Number>
+const StencilKernel<Number>& stencil_kernel(InstructionSet set);
 
 }  // namespace ductile::fluid

@@ -16,8 +16,12 @@ using namespace ductile::fluid;
 using ductile::available;
 using ductile::best_instruction_set;
 using ductile::InstructionSet;
+using ductile::test::force_of;
+using ductile::test::nodes_of;
 using ductile::test::patches;
+using ductile::test::set_force;
 using ductile::test::TwoLattice;
+using ductile::test::velocity_of;
 
 constexpr auto periodic = Boundary::periodic;
 constexpr auto halfway = Boundary::halfway;
@@ -136,8 +140,8 @@ TEST_P(InPlace, StepIsTheLatticeBoltzmannEquation) {
             const Eigen::Vector3d f =
                 local(patch.begin[0] + i, patch.begin[1] + j, patch.begin[2] + k);
             for (std::size_t a = 0; a < 3; ++a) {
-              patch.force[a][static_cast<std::size_t>(patch.at(i, j, k))] =
-                  f[static_cast<Eigen::Index>(a)];
+              set_force(patch, a, static_cast<std::size_t>(patch.at(i, j, k)),
+                        f[static_cast<Eigen::Index>(a)]);
             }
           }
         }
@@ -287,7 +291,9 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
     fluid.read_velocity();
     std::size_t nodes = 0;
     for (Patch& patch : patches(fluid)) {
-      for (auto& f : patch.force) std::fill(f.begin(), f.end(), 0.04);
+      for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t n = 0; n < nodes_of(patch); ++n) set_force(patch, a, n, 0.04);
+      }
     }
     fluid.update_velocity();
     for (const Patch& patch : patches(fluid)) {
@@ -296,8 +302,8 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
           for (int k = 0; k < patch.size[2]; ++k, ++nodes) {
             const auto n = static_cast<std::size_t>(patch.at(i, j, k));
             EXPECT_NEAR(patch.density[n], weighing, 1e-15);
-            EXPECT_NEAR(patch.velocity[0][n], 0.01 + 0.02 / weighing, 1e-15);
-            EXPECT_NEAR(patch.velocity[2][n], 0.03 + 0.02 / weighing, 1e-15);
+            EXPECT_NEAR(velocity_of(patch, 0, n), 0.01 + 0.02 / weighing, 1e-15);
+            EXPECT_NEAR(velocity_of(patch, 2, n), 0.03 + 0.02 / weighing, 1e-15);
           }
         }
       }
@@ -322,23 +328,22 @@ TEST(Fluid, StepLeavesTheVelocityWithTheForceOfTheStepAndUsesTheForceUp) {
     for (int step = 0; step < 4; ++step) {
       fluid.read_velocity();
       for (Patch& patch : patches(fluid)) {
-        for (auto& f : patch.force) {
-          for (std::size_t n = 0; n < f.size(); ++n) {
-            f[n] = 1e-3 * std::sin(static_cast<double>(n) + step);
+        for (std::size_t a = 0; a < 3; ++a) {
+          for (std::size_t n = 0; n < nodes_of(patch); ++n) {
+            set_force(patch, a, n, 1e-3 * std::sin(static_cast<double>(n) + step));
           }
         }
       }
       fluid.update_velocity();
       const double round_off = precision.all_single() ? 2e-8 : 1e-16;
-      std::vector<std::array<std::vector<double>, 3>> told;
-      for (const Patch& patch : patches(fluid)) told.push_back(patch.velocity);
+      const std::vector<Patch> told = patches(fluid);
       fluid.step();
       for (std::size_t p = 0; p < told.size(); ++p) {
         const Patch& patch = patches(fluid)[p];
         for (std::size_t a = 0; a < 3; ++a) {
-          for (std::size_t n = 0; n < told[p][a].size(); ++n) {
-            ASSERT_NEAR(patch.velocity[a][n], told[p][a][n], round_off);
-            ASSERT_EQ(patch.force[a][n], 0);
+          for (std::size_t n = 0; n < nodes_of(patch); ++n) {
+            ASSERT_NEAR(velocity_of(patch, a, n), velocity_of(told[p], a, n), round_off);
+            ASSERT_EQ(force_of(patch, a, n), 0);
           }
         }
       }
@@ -375,8 +380,8 @@ TEST(InstructionSets, GiveTheSameBits) {
         fluid.place_boxes(boxes);
         for (int step = 0; step < 5; ++step) {
           for (Patch& patch : patches(fluid)) {
-            for (std::size_t n = 0; n < patch.force[0].size(); ++n) {
-              patch.force[1][n] = 1e-3 * std::sin(static_cast<double>(n) + step);
+            for (std::size_t n = 0; n < nodes_of(patch); ++n) {
+              set_force(patch, 1, n, 1e-3 * std::sin(static_cast<double>(n) + step));
             }
           }
           fluid.step();

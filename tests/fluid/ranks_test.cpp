@@ -16,6 +16,7 @@ namespace {
 
 using namespace ductile::fluid;
 using ductile::test::patches;
+using ductile::test::set_force;
 
 // The integral of u_z over the volume, of a whole fluid's velocity field.
 double flow_of(const Options& o, const std::vector<double>& u) {
@@ -71,8 +72,8 @@ TEST_P(Ranks, FieldsAndTotalsAreTheSameToTheLastBit) {
         for (int i = 0; i < patch.size[0]; ++i) {
           for (int j = 0; j < patch.size[1]; ++j) {
             for (int k = 0; k < patch.size[2]; ++k) {
-              patch.force[1][static_cast<std::size_t>(patch.at(i, j, k))] =
-                  1e-4 * (i - 2 * j) * (patch.begin[2] + k);
+              set_force(patch, 1, static_cast<std::size_t>(patch.at(i, j, k)),
+                        1e-4 * (i - 2 * j) * (patch.begin[2] + k));
             }
           }
         }
