@@ -223,6 +223,37 @@ TEST_P(ImmersedBoundary, InterpolationIsExactForLinearFields) {
   EXPECT_NEAR(velocities(points)[1], u, 100 * round_off(GetParam()));
 }
 
+// Forces that balance, the same in every step: what rounding leaves of them would pile up.
+TEST_P(ImmersedBoundary, ForcesThatBalanceGiveNoMomentum) {
+  Options o;
+  GetParam().choose(o);
+  o.nodes = {16, 16, 16};
+  Fluid fluid(MPI_COMM_SELF, o);
+  const std::array<Box, 1> boxes = {Box{{{2, 14}, {2, 14}, {2, 14}}}};
+  fluid.place_boxes(boxes);
+  constexpr std::size_t count = 300;
+  constexpr int steps = 1000;
+  const std::vector<double> x = random_numbers(3 * count, 4.0, 11.0, 31);
+  std::vector<double> force = random_numbers(3 * count, -1e-5, 1e-5, 32);
+  double sum_of_sizes = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    double total = 0;
+    for (std::size_t m = 0; m < count; ++m) total += force[3 * m + a];
+    for (std::size_t m = 0; m < count; ++m) {
+      force[3 * m + a] -= total / count;
+      sum_of_sizes += std::abs(force[3 * m + a]);
+    }
+  }
+  Points points(fluid, 0);
+  points.locate(x);
+  for (int step = 0; step < steps; ++step) {
+    points.add_force(force);
+    fluid.step();
+  }
+  const double share = GetParam().all_double() ? 2e-16 : 5e-9;
+  EXPECT_LT(fluid.totals().momentum.norm(), share * steps * sum_of_sizes);
+}
+
 // Without looking inside: the fluid gains the points' force as momentum, and tells its velocity
 // with half of the force of the step in.
 TEST(Points, ForceActsAndVelocityIsToldThroughTheInterfaceAlone) {
