@@ -76,10 +76,10 @@ double known(double bytes) {
   return std::isfinite(bytes) ? std::max(0.0, bytes) : unlimited;
 }
 
-// Force and velocity in the precision of arithmetic, density and momentum in double.
+// Force, velocity, momentum and density, in the precision of arithmetic.
 double box_node(const suspension::Plan& plan) {
   const bool single = plan.fluid.arithmetic == fluid::Precision::single_precision;
-  return 6 * (single ? sizeof(float) : sizeof(double)) + 4 * sizeof(double);
+  return static_cast<double>(10 * (single ? sizeof(float) : sizeof(double)));
 }
 
 double of_body(const suspension::BodyPlan& body, double node) {

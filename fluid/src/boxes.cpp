@@ -9,6 +9,30 @@
 #include "layout.hpp"
 
 namespace ductile::fluid {
+namespace {
+
+// (momentum + half force)/density of one row, a density that is not given being 1.
+template <class Number>
+void divide(const Number* momentum, const Number* force, Number half, const Number* density,
+            int count, Number* velocity) {
+  if (density == nullptr) {
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
+#pragma GCC ivdep
+#endif
+    for (int k = 0; k < count; ++k) velocity[k] = momentum[k] + half * force[k];
+  } else {
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
+#pragma GCC ivdep
+#endif
+    for (int k = 0; k < count; ++k) velocity[k] = (momentum[k] + half * force[k]) / density[k];
+  }
+}
+
+}  // namespace
 
 Box FluidImpl::domain() const {
   Box box;
@@ -120,13 +144,6 @@ void FluidImpl::reached(int rank, std::span<const double> positions, std::vector
   }
 }
 
-void FluidImpl::make_moments(Patch& patch) {
-  if (!patch.density.empty()) return;
-  const auto count = static_cast<std::size_t>(patch.size[0] * patch.size[1] * patch.pitch);
-  patch.density.assign(count, 1.0);
-  for (auto& momentum : patch.momentum) momentum.assign(count, 0.0);
-}
-
 void FluidImpl::list_met() {
   const std::size_t columns = column(options_.nodes[0], 0);
   std::vector<std::vector<std::size_t>> met(columns);
@@ -212,63 +229,50 @@ std::optional<std::size_t> FluidImpl::row_on_plane(const Patch& patch, int i) co
   return static_cast<std::size_t>(patch.at(i, j, -Patch::pad));
 }
 
-template <class Number>
-void FluidImpl::fill_image(const Patch& patch, std::vector<Number>& values, Number sign) const {
-  for (int i = 0; i < patch.size[0]; ++i) {
-    for (int y = patch.begin[1]; y < 0; ++y) {
-      const Number* from = values.data() + patch.at(i, image(y) - patch.begin[1], 0);
-      Number* to = values.data() + patch.at(i, y - patch.begin[1], 0);
-      for (int k = 0; k < patch.size[2]; ++k) to[k] = sign * from[k];
-    }
-  }
+void FluidImpl::fill_image_of_velocity(Patch& patch) const {
+  if (options_.mirror == Mirror::none) return;
+  std::visit([&](auto& local) { fill_image(patch, local.velocity); }, patch.local);
 }
 
 template <class Number>
 void FluidImpl::fill_image(const Patch& patch, std::array<std::vector<Number>, 3>& vectors) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    fill_image(patch, vectors[axis], axis == 1 ? Number{-1} : Number{1});
+    const Number sign = axis == 1 ? -1 : 1;
+    for (int i = 0; i < patch.size[0]; ++i) {
+      for (int y = patch.begin[1]; y < 0; ++y) {
+        const Number* from = vectors[axis].data() + patch.at(i, image(y) - patch.begin[1], 0);
+        Number* to = vectors[axis].data() + patch.at(i, y - patch.begin[1], 0);
+        for (int k = 0; k < patch.size[2]; ++k) to[k] = sign * from[k];
+      }
+    }
   }
-}
-
-void FluidImpl::fill_image_of_velocity(Patch& patch) const {
-  std::visit([&](auto& local) { fill_image(patch, local.velocity); }, patch.local);
-}
-
-void FluidImpl::fill_image_of_moments(Patch& patch) const {
-  fill_image(patch, patch.density, 1.0);
-  fill_image(patch, patch.momentum);
 }
 
 void FluidImpl::update_velocity() {
   fold_force();
   for (Patch& patch : patches_) {
-    make_moments(patch);
-    std::visit([&](auto& local) { update(patch, local); }, patch.local);
+    std::visit(
+        [&](auto& local) {
+          make_moments(local);
+          update(patch, local);
+        },
+        patch.local);
     fill_image_of_velocity(patch);
   }
 }
 
 template <class Number>
 void FluidImpl::update(const Patch& patch, LocalFields<Number>& local) const {
-  const int rows = patch.size[0] * patch.size[1];
-  const int planes = patch.size[2];
-  for (int r = 0; r < rows; ++r) {
-    const std::ptrdiff_t first = r * patch.pitch + Patch::pad;
-    // On a mirror plane the image's force is still to be added.
-    const auto on_plane = row_on_plane(patch, r / patch.size[1]);
-    const double half = on_plane == static_cast<std::size_t>(first - Patch::pad) ? 1 : 0.5;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      Number* u = local.velocity[axis].data() + first;
-      const Number* force = local.force[axis].data() + first;
-      const double* momentum = patch.momentum[axis].data() + first;
-      const double* density = patch.density.data() + first;
-#ifdef __clang__
-#pragma clang loop vectorize(assume_safety)
-#else
-#pragma GCC ivdep
-#endif
-      for (int k = 0; k < planes; ++k) {
-        u[k] = static_cast<Number>((momentum[k] + half * force[k]) / density[k]);
+  for (int i = 0; i < patch.size[0]; ++i) {
+    for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
+      const std::ptrdiff_t first = patch.at(i, j, 0);
+      // On a mirror plane the image's force is still to be added.
+      const auto on_plane = row_on_plane(patch, i);
+      const Number half = on_plane == static_cast<std::size_t>(first - Patch::pad) ? 1 : 0.5;
+      const Number* density = local.density.empty() ? nullptr : local.density.data() + first;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        divide(local.momentum[axis].data() + first, local.force[axis].data() + first, half, density,
+               patch.size[2], local.velocity[axis].data() + first);
       }
     }
   }

@@ -83,16 +83,20 @@ class FluidImpl {
            static_cast<std::size_t>(y);
   }
 
-  /// Room for a patch's density and momentum, which few bodies ask for.
-  static void make_moments(Patch& patch);
   void drop_force();
   /// The image of force below a mirror plane is added above it, along y on it cancelled.
   void fold_force();
   /// Adds the image of force on a mirror plane that goes through nodes; once a step.
   void double_force_on_plane();
-  /// What a patch has below a mirror plane becomes the image of what is above.
+  /// Velocity below a mirror plane becomes the image of what is above.
   void fill_image_of_velocity(Patch& patch) const;
-  void fill_image_of_moments(Patch& patch) const;
+  /// Room for the momentum, and for the density if it weighs anything, which few bodies ask for.
+  template <class T>
+  void make_moments(LocalFields<T>& local) const {
+    const std::size_t count = local.force[0].size();
+    if (compressible()) local.density.resize(count, T{1});
+    for (auto& momentum : local.momentum) momentum.resize(count, T{0});
+  }
 
   Options options_;
   Communicator comm_;
@@ -119,8 +123,6 @@ class FluidImpl {
   void fold(const Patch& patch, std::array<std::vector<Number>, 3>& force) const;
   template <class Number>
   void update(const Patch& patch, LocalFields<Number>& local) const;
-  template <class Number>
-  void fill_image(const Patch& patch, std::vector<Number>& values, Number sign) const;
   template <class Number>
   void fill_image(const Patch& patch, std::array<std::vector<Number>, 3>& vectors) const;
   void list_met();

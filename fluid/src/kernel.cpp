@@ -748,6 +748,27 @@ void moments(const Row<Real>& row, int begin, int end, double* density, double* 
       });
 }
 
+template <class T, bool compressible, class Real>
+void momentum_row(Row<Real> row, int begin, int end, RowForce<T> force, T* density, T* x, T* y,
+                  T* z) {
+  for_nodes_ahead<T>(
+      row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
+        constexpr T half = 0.5;
+        const Moments<V> m = moments_of(load_nodes<V>(row, k, which));
+        const Vector<V> f = uniform<V>(force.uniform);
+        if constexpr (compressible) store(density + k, T{1} + m.density_less_one, which);
+        store(x + k, m.x + half * f.x, which);
+        store(y + k, m.y + half * f.y, which);
+        store(z + k, m.z + half * f.z, which);
+      });
+}
+
+template <class T, bool compressible, class Real>
+void momentum(const Row<Real>& row, int begin, int end, const RowForce<T>& force, T* density, T* x,
+              T* y, T* z) {
+  momentum_row<T, compressible>(row, begin, end, force, density, x, y, z);
+}
+
 template <bool compressible, class Real>
 void add_flow(const Row<Real>& row, int begin, int end, double half_force, double share,
               double* sum) {
@@ -784,10 +805,13 @@ void stream(const Row<Real>& row, int begin, int end) {
 namespace DUCTILE_INSTRUCTION_SET {
 
 template <class Real, class T, bool compressible>
-constexpr Kernel<Real, T> functions = {
-    collide<T, compressible, Real>, collide_wall<T, compressible, Real>,
-    wall_density<Real, T>,          moments<Real>,
-    add_flow<compressible, Real>,   stream<Real>};
+constexpr Kernel<Real, T> functions = {collide<T, compressible, Real>,
+                                       collide_wall<T, compressible, Real>,
+                                       wall_density<Real, T>,
+                                       moments<Real>,
+                                       momentum<T, compressible, Real>,
+                                       add_flow<compressible, Real>,
+                                       stream<Real>};
 
 template <class Real, class T>
 const Kernel<Real, T>& kernel(bool compressible) {

@@ -56,6 +56,10 @@ struct Kernel {
   /// Density less one and momentum, without any force; not for rows on a regularized wall.
   void (*moments)(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,
                   double* z);
+  /// Momentum with half of the uniform force in it and, if it weighs anything, density, in T: what
+  /// the collision divides. Not for rows on a regularized wall.
+  void (*momentum)(const Row<Real>& row, int begin, int end, const RowForce<T>& force, T* density,
+                   T* x, T* y, T* z);
   /// sum[k] += share u_z, given half of the force along z; as moments().
   void (*add_flow)(const Row<Real>& row, int begin, int end, double half_force, double share,
                    double* sum);

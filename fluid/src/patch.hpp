@@ -10,12 +10,15 @@
 
 namespace ductile::fluid {
 
-/// Force and velocity on a patch's nodes. T is what the collision computes in: bodies read and
-/// write far more of these than of anything else.
+/// What there is on a patch's nodes. T is what the collision computes in: bodies read and write far
+/// more of these than of anything else.
 template <class T>
 struct LocalFields {
   std::array<std::vector<T>, 3> force;     ///< beyond the uniform one, for the next step
   std::array<std::vector<T>, 3> velocity;  ///< (momentum + force/2)/density
+  /// As of read_velocity(), with half of the uniform force; empty until it is called.
+  std::array<std::vector<T>, 3> momentum;
+  std::vector<T> density;  ///< as momentum, and empty if it weighs nothing
 };
 
 /// The part of a box that lies on this rank: where a force acts that varies from node to node, and
@@ -34,9 +37,6 @@ struct Patch {
   std::ptrdiff_t pitch = 0;
 
   std::variant<LocalFields<double>, LocalFields<float>> local;
-  /// As of read_velocity(), empty until it is called; 1 if the density weighs nothing.
-  std::vector<double> density;
-  std::array<std::vector<double>, 3> momentum;
 
   /// Its own, in [0, nz).
   [[nodiscard]] Range planes() const { return {begin[2], begin[2] + size[2]}; }

@@ -391,27 +391,20 @@ Row<Real> Populations<Real, T>::complete_row(int x, int y) {
 template <class Real, class T>
 void Populations<Real, T>::read_velocity() {
   halo_.await_all();
-  const Eigen::Vector3d half = 0.5 * force_;
+  const RowForce<T> uniform = uniform_force();
   for (Patch& patch : patches_) {
-    make_moments(patch);
+    auto& local = std::get<LocalFields<T>>(patch.local);
+    make_moments(local);
     const int begin = patch.begin[2] - slab_.begin;
     for (int i = 0; i < patch.size[0]; ++i) {
       for (int j = std::max(0, -patch.begin[1]); j < patch.size[1]; ++j) {
-        const auto first = static_cast<std::size_t>(patch.at(i, j, 0));
-        const auto count = static_cast<std::size_t>(patch.size[2]);
-        kernel_.moments(complete_row(patch.begin[0] + i, patch.begin[1] + j), begin,
-                        begin + patch.size[2], &patch.density[first] - begin,
-                        &patch.momentum[0][first] - begin, &patch.momentum[1][first] - begin,
-                        &patch.momentum[2][first] - begin);
-        for (std::size_t n = first; n < first + count; ++n) {
-          patch.density[n] = weighing(patch.density[n] + 1);
-          for (std::size_t axis = 0; axis < 3; ++axis) {
-            patch.momentum[axis][n] += half[static_cast<Eigen::Index>(axis)];
-          }
-        }
+        const std::ptrdiff_t first = patch.at(i, j, 0) - begin;
+        T* density = local.density.empty() ? nullptr : local.density.data() + first;
+        kernel_.momentum(complete_row(patch.begin[0] + i, patch.begin[1] + j), begin,
+                         begin + patch.size[2], uniform, density, local.momentum[0].data() + first,
+                         local.momentum[1].data() + first, local.momentum[2].data() + first);
       }
     }
-    fill_image_of_moments(patch);
   }
 }
 
@@ -570,7 +563,8 @@ std::size_t Populations<Real, T>::memory() const {
   bytes += (first_met_.size() + met_.size()) * sizeof(std::size_t);
   for (const Patch& patch : patches_) {
     const auto& local = std::get<LocalFields<T>>(patch.local);
-    bytes += 6 * sizeof(T) * local.force[0].size() + 4 * sizeof(double) * patch.density.size();
+    bytes += sizeof(T) *
+             (6 * local.force[0].size() + 3 * local.momentum[0].size() + local.density.size());
   }
   return bytes;
 }

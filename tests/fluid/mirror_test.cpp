@@ -93,16 +93,8 @@ void expect_same_patches(Fluid& half, Fluid& whole, int first_row, double round_
     const Patch& b = patches(whole)[p];
     ASSERT_EQ(a.size, b.size);
     ASSERT_EQ(a.begin[1] + first_row, b.begin[1]);
-    ASSERT_EQ(a.density.size(), b.density.size());
     for (std::size_t n = 0; n < nodes_of(a); ++n) {
-      const bool read = !a.density.empty();
-      if (read) {
-        ASSERT_NEAR(a.density[n], b.density[n], round_off) << when;
-      }
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (read) {
-          ASSERT_NEAR(a.momentum[axis][n], b.momentum[axis][n], round_off) << when << ' ' << axis;
-        }
         ASSERT_NEAR(velocity_of(a, axis, n), velocity_of(b, axis, n), round_off)
             << when << ' ' << axis;
       }
