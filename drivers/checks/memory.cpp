@@ -88,7 +88,8 @@ double of_body(const suspension::BodyPlan& body, double node) {
   double each = rigid_vertex;
   if (const suspension::CapsulePlan* capsule = body.capsule())
     each = capsule->integrator.traits.weights.empty() ? implicit_vertex : explicit_vertex;
-  return vertices * each + box.rows * box.length * node;
+  constexpr double padding = 8;  // planes beside a row's own
+  return vertices * each + box.rows * (box.length + padding) * node;
 }
 
 }  // namespace

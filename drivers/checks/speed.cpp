@@ -202,7 +202,10 @@ StepTime expected_step(const suspension::Plan& plan, int ranks, const KnownSpeed
     work[static_cast<std::size_t>(owner[b])] += marker_time(plan.bodies[b], speed.bodies);
   }
   const BodyCosts& costs = speed.bodies;
-  const double node = costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0);
+  // They are measured in single precision, and what boxes hold takes twice that in double.
+  const double bytes = plan.fluid.arithmetic == fluid::Precision::single_precision ? 1 : 2;
+  const double node =
+      bytes * (costs.node + (most > 0 ? costs.node_read + most * costs.node_update : 0));
   // Boxes that overlap are one: there are no more nodes in them than in all.
   const double share = std::min(1.0, nodes / std::max(1.0, box_nodes));
   time.boxes = share * (box_rows * costs.row + box_nodes * node) / ranks;

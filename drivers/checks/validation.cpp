@@ -243,6 +243,7 @@ void check_densities(const Plan& plan) {
         kind->density_ratio >= 1)
       continue;
     const double least = least_density_ratio(*body.shape, body.frequency, kind->retraction,
+                                             kind->slip / plan.units.viscosity(),
                                              plan.fluid.mirror != fluid::Mirror::none);
     if (kind->density_ratio >= least) continue;
     throw ScenarioError(

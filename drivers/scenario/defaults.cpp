@@ -26,9 +26,9 @@ int mesh_frequency(int frequency, double edge, double radius, double half_width)
 }
 
 double least_density_ratio(const surface::Shape& shape, int frequency, double retraction,
-                           bool half_channel) {
+                           double missed, bool half_channel) {
   constexpr int fine = 24;
-  rigid::Surface surface = rigid::markers_of(shape.mesh(std::min(frequency, fine)));
+  rigid::Surface surface = rigid::markers_of(shape.mesh(std::min(frequency, fine)), missed);
   const double scale = 1 - retraction / shape.radius();
   for (Eigen::Vector3d& marker : surface.markers) marker *= scale;
   for (double& area : surface.areas) area *= scale * scale;
@@ -36,27 +36,45 @@ double least_density_ratio(const surface::Shape& shape, int frequency, double re
                                     half_channel);
 }
 
-double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
-                          const BodyOptions& body) {
-  const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
-  if (!(radius >= 2)) return 0;  // refused later
+namespace {
+
+fluid::Options collision_of(const FluidOptions& fluid) {
   fluid::Options options;
   options.tau = fluid.tau;
   options.collision = fluid.collision;
   options.magic = fluid.magic;
-  return suspension::felt_retraction(*surface::make_shape(body.shape, radius), options);
+  return options;
 }
 
-suspension::Interior default_interior(const ChannelOptions& channel, const BodyOptions& body) {
+}  // namespace
+
+double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
+                          const BodyOptions& body, double slip) {
+  const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
+  if (!(radius >= 2)) return 0;  // refused later
+  return suspension::felt_retraction(*surface::make_shape(body.shape, radius), collision_of(fluid),
+                                     slip);
+}
+
+suspension::FeltPlace default_place(const ChannelOptions& channel, const FluidOptions& fluid,
+                                    const BodyOptions& body) {
+  const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
+  if (!(radius >= 2)) return {};  // refused later
+  return suspension::felt_place(*surface::make_shape(body.shape, radius), collision_of(fluid));
+}
+
+suspension::Interior default_interior(const ChannelOptions& channel, const FluidOptions& fluid,
+                                      const BodyOptions& body) {
   const double half_width = suspension::half_width(channel.nodes, channel.walls);
   const double radius = body.radius * half_width;
   const RigidOptions& options = body.rigid;
   // A radius of 2 is the least that is accepted, and needs no shells.
   if (body.density_ratio >= 1 || radius < 2) return suspension::Interior::fluid;
-  const double least =
-      least_density_ratio(*surface::make_shape(body.shape, radius),
-                          mesh_frequency(options.frequency, options.edge, radius, half_width),
-                          options.retraction.value(), channel.symmetry == Symmetry::y);
+  const double least = least_density_ratio(
+      *surface::make_shape(body.shape, radius),
+      mesh_frequency(options.frequency, options.edge, radius, half_width),
+      options.retraction.value(), options.slip.value() / suspension::lattice_viscosity(fluid.tau),
+      channel.symmetry == Symmetry::y);
   return body.density_ratio < least ? suspension::Interior::solid : suspension::Interior::fluid;
 }
 

@@ -55,8 +55,9 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const fluid::Options& fl
   if (capsule) {
     plan.kind = capsule_plan(body, *plan.shape, fluid, units);
   } else {
-    plan.kind = suspension::RigidPlan{body.density_ratio, body.rigid.iterations, body.rigid.memory,
-                                      body.rigid.retraction.value(), body.rigid.interior};
+    plan.kind = suspension::RigidPlan{body.density_ratio,  body.rigid.iterations,
+                                      body.rigid.memory,   body.rigid.retraction.value(),
+                                      body.rigid.interior, body.rigid.slip.value()};
   }
   return plan;
 }

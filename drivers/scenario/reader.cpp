@@ -19,6 +19,28 @@
 namespace ductile::drivers {
 namespace {
 
+/// Where a rigid body's markers lie, how far the fluid slips along them, and what is inside, as far
+/// as the scenario leaves it to the program. What is said of retraction or slip decides the other.
+/// Slip takes from the force with which fluid keeps a light body stable.
+void place_markers(const Scenario& s, bool any_interior, BodyOptions& body) {
+  RigidOptions& rigid = body.rigid;
+  const bool felt = !rigid.retraction;
+  const bool slip_felt = !rigid.slip;
+  if (felt && slip_felt && body.density_ratio >= 1) {
+    const suspension::FeltPlace place = default_place(s.channel, s.fluid, body);
+    rigid.retraction = place.retraction;
+    rigid.slip = place.slip;
+  }
+  if (!rigid.slip) rigid.slip = 0;
+  if (!rigid.retraction)
+    rigid.retraction = default_retraction(s.channel, s.fluid, body, *rigid.slip);
+  if (any_interior) rigid.interior = default_interior(s.channel, s.fluid, body);
+  if (rigid.interior == suspension::Interior::fluid) return;
+  if (slip_felt) rigid.slip = 0;
+  if (felt)
+    rigid.retraction = default_retraction(s.channel, s.fluid, body, *rigid.slip) + solid_retraction;
+}
+
 /// Reads a document into a scenario.
 class Reader {
  public:
@@ -210,17 +232,12 @@ class Reader {
       read_keys(table, path, capsule_keys(), body);
       read_keys(table, path, membrane_keys(), body.membrane);
       if (!body.membrane.retraction)
-        body.membrane.retraction = default_retraction(s.channel, s.fluid, body);
+        body.membrane.retraction = default_retraction(s.channel, s.fluid, body, 0);
       applicable = names_of(body_keys(), capsule_keys(), membrane_keys());
     } else {
       read_keys(table, path, rigid_body_keys(), body);
       read_keys(table, path, rigid_keys(), body.rigid);
-      const bool felt = !body.rigid.retraction;
-      if (felt) body.rigid.retraction = default_retraction(s.channel, s.fluid, body);
-      if (!given(table, "rigid", "interior"))
-        body.rigid.interior = default_interior(s.channel, body);
-      if (felt && body.rigid.interior == suspension::Interior::solid)
-        *body.rigid.retraction += solid_retraction;
+      place_markers(s, !given(table, "rigid", "interior"), body);
       applicable = names_of(body_keys(), rigid_body_keys(), rigid_keys());
     }
     for (const auto& [key, node] : table) {

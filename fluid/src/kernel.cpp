@@ -483,10 +483,8 @@ struct WallRule {
   double u[3];
   double f[3];
 
-  template <class T>
-  WallRule(const RowForce<T>& force, const RowWall& wall)
-      : u{wall.velocity[0], wall.velocity[1], wall.velocity[2]},
-        f{force.uniform[0], force.uniform[1], force.uniform[2]} {}
+  WallRule(const double* force, const RowWall& wall)
+      : u{wall.velocity[0], wall.velocity[1], wall.velocity[2]}, f{force[0], force[1], force[2]} {}
 
   template <class V>
   struct Known {
@@ -701,7 +699,7 @@ void for_wall(const RowWall& wall, F&& f) {
 template <class T, bool compressible, int nx, int ny, class Real>
 void collide_wall_row(Row<Real> row, int begin, int end, Relaxation relaxation,
                       const RowForce<T>& force, const RowWall& wall) {
-  const WallRule<nx, ny, compressible> rule(force, wall);
+  const WallRule<nx, ny, compressible> rule(force.uniform, wall);
   for_nodes_ahead<T>(
       row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
         rule.template collide_nodes<V>(row, k, which, relaxation);
@@ -716,9 +714,9 @@ void collide_wall(const Row<Real>& row, int begin, int end, const Relaxation& re
   });
 }
 
-template <int nx, int ny, class Real, class T>
-void wall_density_row(Row<Real> row, int begin, int end, const RowForce<T>& force,
-                      const RowWall& wall, double* density) {
+template <int nx, int ny, class Real>
+void wall_density_row(Row<Real> row, int begin, int end, const double* force, const RowWall& wall,
+                      double* density) {
   const WallRule<nx, ny, true> rule(force, wall);  // of which the density is no matter here
   for_nodes_ahead<double>(
       row, begin, end, [&]<class V>(int k, auto which) __attribute__((always_inline)) {
@@ -727,8 +725,8 @@ void wall_density_row(Row<Real> row, int begin, int end, const RowForce<T>& forc
       });
 }
 
-template <class Real, class T>
-void wall_density(const Row<Real>& row, int begin, int end, const RowForce<T>& force,
+template <class Real>
+void wall_density(const Row<Real>& row, int begin, int end, const double* force,
                   const RowWall& wall, double* density) {
   for_wall(wall, [&]<int nx, int ny>() {
     wall_density_row<nx, ny>(row, begin, end, force, wall, density);
@@ -807,7 +805,7 @@ namespace DUCTILE_INSTRUCTION_SET {
 template <class Real, class T, bool compressible>
 constexpr Kernel<Real, T> functions = {collide<T, compressible, Real>,
                                        collide_wall<T, compressible, Real>,
-                                       wall_density<Real, T>,
+                                       wall_density<Real>,
                                        moments<Real>,
                                        momentum<T, compressible, Real>,
                                        add_flow<compressible, Real>,

@@ -51,7 +51,7 @@ struct Kernel {
   void (*collide_wall)(const Row<Real>& row, int begin, int end, const Relaxation& relaxation,
                        const RowForce<T>& force, const RowWall& wall);
   /// Density less one on a regularized wall, of the populations that collide_wall() will make.
-  void (*wall_density)(const Row<Real>& row, int begin, int end, const RowForce<T>& force,
+  void (*wall_density)(const Row<Real>& row, int begin, int end, const double* uniform_force,
                        const RowWall& wall, double* density);
   /// Density less one and momentum, without any force; not for rows on a regularized wall.
   void (*moments)(const Row<Real>& row, int begin, int end, double* density, double* x, double* y,

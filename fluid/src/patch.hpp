@@ -16,7 +16,8 @@ template <class T>
 struct LocalFields {
   std::array<std::vector<T>, 3> force;     ///< beyond the uniform one, for the next step
   std::array<std::vector<T>, 3> velocity;  ///< (momentum + force/2)/density
-  /// As of read_velocity(), with half of the uniform force; empty until it is called.
+  /// As of read_velocity(), with half of the uniform force, above a mirror plane; empty as long as
+  /// no body asks.
   std::array<std::vector<T>, 3> momentum;
   std::vector<T> density;  ///< as momentum, and empty if it weighs nothing
 };
@@ -26,7 +27,7 @@ struct LocalFields {
 /// with `pad` planes on either side of the `size[2]` that are this rank's own. In those planes the
 /// velocity is 0 and the force is ignored, so that a stencil may reach over the edge.
 ///
-/// Below a mirror plane density and velocity are the image of those above. What is added to
+/// Below a mirror plane the velocity is the image of that above. What is added to
 /// `force` is half of the whole: its image in the plane is added to it, at the latest in the step,
 /// also to what lies on the plane.
 struct Patch {

@@ -22,8 +22,7 @@ PatchField<Number> field_of(const Patch& patch, const std::array<Number*, 3>& co
           {component[0], component[1], component[2]}};
 }
 
-}  // namespace
-
+// `set` is available.
 template <class Number>
 const StencilKernel<Number>& stencil_kernel([[maybe_unused]] InstructionSet set) {
 #ifdef DUCTILE_X86
@@ -32,6 +31,8 @@ const StencilKernel<Number>& stencil_kernel([[maybe_unused]] InstructionSet set)
 #endif
   return baseline::stencil_kernel<Number>();
 }
+
+}  // namespace
 
 class Points::Impl {
  public:

@@ -415,7 +415,7 @@ void Populations<Real, T>::read_row(int x, int y, double* density,
   const int planes = slab_of_.planes();
   const Row<Real> row = complete_row(x, y);
   if (const RowWall* wall = slab_of_.wall(x, y)) {
-    kernel_.wall_density(row, 0, planes, uniform_force(), *wall, density);
+    kernel_.wall_density(row, 0, planes, force_.data(), *wall, density);
     for (int k = 0; k < planes; ++k) density[k] += 1;
     for (std::size_t a = 0; a < 3; ++a) std::fill_n(velocity[a], planes, wall->velocity[a]);
     return;

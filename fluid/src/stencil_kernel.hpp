@@ -49,8 +49,4 @@ template <class Number>
 const StencilKernel<Number>& stencil_kernel();
 }
 
-/// `set` must be available.
-template <class Number>
-const StencilKernel<Number>& stencil_kernel(InstructionSet set);
-
 }  // namespace ductile::fluid

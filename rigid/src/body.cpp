@@ -77,6 +77,14 @@ void check_surface(const Surface& surface) {
     if (!(surface.areas[m] > 0) || !std::isfinite(surface.areas[m]))
       reject("area of marker ", m, " is ", surface.areas[m], ": it must be positive");
   }
+  if (!(surface.missed >= 0) || !std::isfinite(surface.missed))
+    reject("missed = ", surface.missed, ": it must be finite and not negative");
+  if (surface.normals.size() > n || (surface.missed > 0 && surface.normals.empty())) {
+    reject(n, " markers have ", surface.normals.size(),
+           " normals: give one for each on the surface");
+  }
+  for (const Vector3d& normal : surface.normals)
+    if (!(std::abs(normal.norm() - 1) < 1e-9)) reject("normals must be of unit length");
 }
 
 void check_solid(const Solid& solid) {
@@ -117,16 +125,24 @@ void check_state(const State& state, std::size_t markers) {
     if (!force.allFinite()) reject("forces of the step before must be finite");
 }
 
-// sum A J^T J with J = [1, -r x], so that U + omega x r = J (U, omega).
-Matrix6d area_tensor(const Surface& surface) {
+// T_m v of (1), n being the normal of a marker on the surface.
+Vector3d lessened(const Vector3d& v, const Vector3d& n, double missed, double kappa) {
+  const Vector3d normal = n.dot(v) * n;
+  return normal + (v - normal) / (1 + 2 * kappa * missed);
+}
+
+// sum A J^T T J with J = [1, -r x], so that U + omega x r = J (U, omega).
+Matrix6d area_tensor(const Surface& surface, double kappa) {
   Matrix6d tensor = Matrix6d::Zero();
   for (std::size_t m = 0; m < surface.markers.size(); ++m) {
-    const Matrix3d r = cross_matrix(surface.markers[m]);
-    const double area = surface.areas[m];
-    tensor.topLeftCorner<3, 3>() += area * Matrix3d::Identity();
-    tensor.topRightCorner<3, 3>() -= area * r;
-    tensor.bottomLeftCorner<3, 3>() += area * r;
-    tensor.bottomRightCorner<3, 3>() -= area * r * r;
+    Eigen::Matrix<double, 3, 6> motion;
+    motion << Matrix3d::Identity(), -cross_matrix(surface.markers[m]);
+    Eigen::Matrix<double, 3, 6> answer = motion;
+    if (m < surface.normals.size()) {
+      for (int k = 0; k < 6; ++k)
+        answer.col(k) = lessened(motion.col(k), surface.normals[m], surface.missed, kappa);
+    }
+    tensor += surface.areas[m] * motion.transpose() * answer;
   }
   return tensor;
 }
@@ -146,7 +162,7 @@ double least_density_ratio(const Surface& surface, const Solid& solid, double re
   // Displaced fluid per area, in the rigid motion that has most of it: a/3 for a sphere.
   const double thickness =
       Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d>(
-          displaced_tensor(solid), area_tensor(surface), Eigen::EigenvaluesOnly)
+          displaced_tensor(solid), area_tensor(surface, relaxation), Eigen::EigenvaluesOnly)
           .eigenvalues()[5];
   // A rigid mode of slip shrinks with each correction by
   //     (1 - kappa lambda) (M - M_f)/(2 kappa A + M - M_f),
@@ -161,8 +177,13 @@ Solid solid_of(const surface::Shape& shape) {
   return {shape.volume(), shape.inertia()};
 }
 
-Surface markers_of(const surface::Mesh& mesh) {
-  return {mesh.vertices, surface::vertex_areas(mesh)};
+Surface markers_of(const surface::Mesh& mesh, double missed) {
+  Surface surface{mesh.vertices, surface::vertex_areas(mesh), {}, missed};
+  if (missed != 0) {
+    surface.normals = surface::vertex_normals(
+        {mesh.vertices.data()->data(), 3 * mesh.vertices.size()}, mesh.triangles);
+  }
+  return surface;
 }
 
 namespace {
@@ -194,8 +215,8 @@ long long lined_marker_count(const surface::Shape& shape, int frequency, double 
   return count;
 }
 
-Surface lined(const surface::Shape& shape, int frequency, double retraction) {
-  Surface surface = markers_of(shape.mesh(frequency, -retraction));
+Surface lined(const surface::Shape& shape, int frequency, double retraction, double missed) {
+  Surface surface = markers_of(shape.mesh(frequency, -retraction), missed);
   double radius = 0;
   for (const Vector3d& r : surface.markers) radius = std::max(radius, r.norm());
   for (const Shell& shell : shells(radius, frequency)) {
@@ -220,7 +241,7 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
   check_options(options_);
   check_state(state_, marker_count());
 
-  const Matrix6d area = area_tensor(surface_);
+  const Matrix6d area = area_tensor(surface_, options_.relaxation);
   const Matrix6d displaced = displaced_tensor(solid_);
   const Matrix3d turning = area.bottomRightCorner<3, 3>();
   const double least_turning =
@@ -245,6 +266,7 @@ Body::Body(Surface surface, const Solid& solid, const Options& options, const St
   }
   forces_.resize(marker_count());
   arms_.resize(marker_count());
+  normals_.resize(surface_.normals.size());
   positions_.resize(3 * marker_count());
   place_markers();
 }
@@ -255,6 +277,7 @@ void Body::place_markers() {
     arms_[m] = rotation * surface_.markers[m];
     store(state_.position + arms_[m], positions_, m);
   }
+  for (std::size_t m = 0; m < normals_.size(); ++m) normals_[m] = rotation * surface_.normals[m];
 }
 
 void Body::check_size(std::span<const double> values) const {
@@ -291,17 +314,30 @@ void Body::add_force(std::size_t marker, const Vector3d& force) {
   torque_ += arms_[marker].cross(force);
 }
 
+Vector3d Body::fluid_at(std::span<const double> velocity, std::size_t marker) const {
+  if (marker >= normals_.size()) return at(velocity, marker);
+  const Vector3d& n = normals_[marker];
+  const Vector3d& force = forces_[marker];
+  return at(velocity, marker) +
+         surface_.missed / surface_.areas[marker] * (force - n.dot(force) * n);
+}
+
+Vector3d Body::answer(std::size_t marker, const Vector3d& velocity) const {
+  const double size = 2 * options_.relaxation * surface_.areas[marker];
+  if (marker >= normals_.size()) return size * velocity;
+  return size * lessened(velocity, normals_[marker], surface_.missed, options_.relaxation);
+}
+
 void Body::correct_force(std::span<const double> velocity, std::span<double> increment) {
   check_size(velocity);
   check_size(increment);
-  const double kappa = options_.relaxation;
 
   if (options_.motion == Motion::free) {
     const double excess = options_.density_ratio - 1;
     Vector3d momentum = excess * solid_.volume * (state_.velocity + options_.gravity) - force_;
     Vector3d angular_momentum = excess * angular_momentum_before() - torque_;
     for (std::size_t m = 0; m < marker_count(); ++m) {
-      const Vector3d drive = 2 * kappa * surface_.areas[m] * at(velocity, m);
+      const Vector3d drive = answer(m, fluid_at(velocity, m));
       momentum += drive;
       angular_momentum += arms_[m].cross(drive);
     }
@@ -313,8 +349,8 @@ void Body::correct_force(std::span<const double> velocity, std::span<double> inc
     angular_velocity_ = state_.orientation * balance.tail<3>();
   }
   for (std::size_t m = 0; m < marker_count(); ++m) {
-    const Vector3d slip = velocity_ + angular_velocity_.cross(arms_[m]) - at(velocity, m);
-    const Vector3d force = 2 * kappa * surface_.areas[m] * slip;
+    const Vector3d slip = velocity_ + angular_velocity_.cross(arms_[m]) - fluid_at(velocity, m);
+    const Vector3d force = answer(m, slip);
     store(force, increment, m);
     add_force(m, force);
   }
@@ -328,7 +364,8 @@ void Body::advance(std::span<const double> velocity) {
   double area = 0, furthest = 0;
   std::size_t worst = 0;
   for (std::size_t m = 0; m < marker_count(); ++m) {
-    const double slip_m = (velocity_ + angular_velocity_.cross(arms_[m]) - at(velocity, m)).norm();
+    const double slip_m =
+        (velocity_ + angular_velocity_.cross(arms_[m]) - fluid_at(velocity, m)).norm();
     slip.max = std::max(slip.max, slip_m);
     slip.rms += surface_.areas[m] * slip_m * slip_m;
     area += surface_.areas[m];

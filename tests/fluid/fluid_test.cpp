@@ -368,6 +368,7 @@ TEST(InstructionSets, GiveTheSameBits) {
       precision.choose(o);
       std::vector<Field> results;
       std::vector<double> flows;
+      std::vector<std::vector<double>> velocities;
       for (const InstructionSet set :
            {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
         if (!available(set)) continue;
@@ -377,18 +378,32 @@ TEST(InstructionSets, GiveTheSameBits) {
         const int low = mirror == Mirror::none ? 1 : -3;
         const std::array<Box, 1> boxes = {Box{{{1, 4}, {low, 4}, {3, 50}}}};
         fluid.place_boxes(boxes);
+        std::vector<double> told;
+        const auto tell = [&] {
+          for (const Patch& patch : patches(fluid)) {
+            for (std::size_t n = 0; n < nodes_of(patch); ++n) {
+              for (std::size_t a = 0; a < 3; ++a) told.push_back(velocity_of(patch, a, n));
+            }
+          }
+        };
         for (int step = 0; step < 5; ++step) {
+          fluid.read_velocity();
           for (Patch& patch : patches(fluid)) {
             for (std::size_t n = 0; n < nodes_of(patch); ++n) {
               set_force(patch, 1, n, 1e-3 * std::sin(static_cast<double>(n) + step));
             }
           }
+          fluid.update_velocity();
+          tell();
           fluid.step();
+          tell();
         }
         results.push_back(fields(fluid));
+        velocities.push_back(told);
         flows.push_back(fluid.flow());
       }
       for (const double flow : flows) EXPECT_EQ(flow, flows.front());
+      for (const auto& velocity : velocities) EXPECT_EQ(velocity, velocities.front());
       for (const Field& result : results) {
         EXPECT_EQ(result.density, results.front().density);
         EXPECT_EQ(result.velocity, results.front().velocity);

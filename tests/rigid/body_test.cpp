@@ -242,6 +242,75 @@ TEST(RigidBody, NeutralSphereInShearTurnsWithHalfTheVorticity) {
   EXPECT_LT((body.state().angular_velocity - Vector3d(0, 0.005, 0)).norm(), 100 * eps);
 }
 
+// A surface that misses b of the fluid's answer along it.
+Surface missing(Surface surface, double b) {
+  for (const Vector3d& r : surface.markers) surface.normals.push_back(r.normalized());
+  surface.missed = b;
+  return surface;
+}
+
+// F/A = V_n 2/lambda + V_t/(lambda/2 + b): the fluid gives what the force is worth, and what is
+// missed of it besides.
+TEST(RigidBody, TheFluidThatThereWouldBeDoesNotSlip) {
+  const Vector3d velocity(0.01, -0.02, 0.005), spin(1e-3, 2e-3, 0);
+  for (const double b : {0.02, 0.3, 3.0, 1000.0}) {
+    const Surface surface = missing(spiral(5, 200), b);
+    Options options;
+    options.motion = Motion::prescribed;
+    options.corrections = 60;
+    Body body(surface, ball(5), options, {});
+    body.prescribe(velocity, spin);
+    const Impulse impulse =
+        step(body, local_fluid(surface, [](const Vector3d&) { return Vector3d(0, 0, 0); }));
+    for (std::size_t m = 0; m < surface.markers.size(); ++m) {
+      const Vector3d v = velocity + spin.cross(surface.markers[m]);
+      const Vector3d normal = surface.normals[m].dot(v) * surface.normals[m];
+      const Vector3d law =
+          surface.areas[m] * (normal * 2 / lambda + (v - normal) / (lambda / 2 + b));
+      EXPECT_LT((impulse.forces[m] - law).norm(), 1e-9 * law.norm() + 1e-15) << b;
+    }
+    EXPECT_LT(body.slip().max, 1e-9) << b;
+  }
+}
+
+TEST_P(Corrections, NeutralBodyFeelsNoForceOrTorqueWhateverIsMissed) {
+  for (const double b : {0.1, 2.0}) {
+    const Surface surface = missing(ellipsoid_surface({6, 4, 3}, 150), b);
+    Options options;
+    options.corrections = GetParam();
+    options.memory = 0.5;
+    State start;
+    start.orientation = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+    Body body(surface, ellipsoid({6, 4, 3}), options, start);
+    for (int n = 0; n < 20; ++n) {
+      const Impulse impulse =
+          step(body, local_fluid(surface, [](const Vector3d& y) {
+                 return Vector3d(0.01 * y.z(), 0.002 * y.x() * y.y(), 0.02 + 0.005 * y.x());
+               }));
+      double largest = 0;
+      for (const Vector3d& f : impulse.forces) largest = std::max(largest, f.norm());
+      ASSERT_GT(largest, 1e-3);
+      const double round_off = 20 * eps * 4 * total(surface.areas) * 0.1;
+      EXPECT_LT(impulse.force.norm(), round_off);
+      EXPECT_LT(impulse.torque.norm(), 6 * round_off);
+    }
+  }
+}
+
+TEST(RigidBody, WhatIsMissedIsCheckedWithItsNormals) {
+  Surface none = missing(spiral(5, 50), 0.1);
+  none.normals.clear();
+  EXPECT_THROW(Body(none, ball(5), {}, {}), std::invalid_argument);
+  Surface many = missing(spiral(5, 50), 0.1);
+  many.normals.emplace_back(1, 0, 0);
+  EXPECT_THROW(Body(many, ball(5), {}, {}), std::invalid_argument);
+  Surface longer = missing(spiral(5, 50), 0.1);
+  longer.normals[7] *= 1.1;
+  EXPECT_THROW(Body(longer, ball(5), {}, {}), std::invalid_argument);
+  for (const double b : {-0.1, static_cast<double>(NAN)})
+    EXPECT_THROW(Body(missing(spiral(5, 50), b), ball(5), {}, {}), std::invalid_argument);
+}
+
 class Relaxation : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(HalfToFastest, Relaxation, ::testing::Values(0.5, 1.0, 2.0, 2.6));
 

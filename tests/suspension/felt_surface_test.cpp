@@ -60,6 +60,32 @@ TEST(FeltSurface, ACurvedOneFurther) {
   EXPECT_LE(felt_retraction(surface::Sphere(1), relaxing(1)), 0.5);
 }
 
+// Stresslet and octupole are right at these, by a calculation of its own (Bessel functions and
+// quadrature of SciPy).
+TEST(FeltSurface, ARigidSphereSlipsToo) {
+  struct Place {
+    double a, retraction, slip;
+  };
+  for (const Place& known : {Place{4.8, 0.5385, 0.0372},
+                             {6, 0.4485, 0.0653},
+                             {7.2, 0.3888, 0.0914},
+                             {9.6, 0.3119, 0.1351},
+                             {14.4, 0.2291, 0.1948}}) {
+    const auto found = suspension::felt_place(surface::Sphere(known.a), relaxing(1));
+    EXPECT_NEAR(found.retraction, known.retraction, 1e-3) << known.a;
+    EXPECT_NEAR(found.slip, known.slip, 1e-3) << known.a;
+  }
+  // A large one has all of it in the slip, as flat surfaces may.
+  const auto flat = suspension::felt_place(surface::Sphere(4000), relaxing(1));
+  EXPECT_NEAR(flat.retraction, 0, 1e-3);
+  EXPECT_NEAR(flat.slip, std::sqrt(second_moment() / std::numbers::pi), 2e-3);
+  // Without slip what is left to the retraction is all of it.
+  const surface::Sphere sphere(7.2);
+  const auto place = suspension::felt_place(sphere, relaxing(1));
+  EXPECT_NEAR(felt_retraction(sphere, relaxing(1), place.slip), place.retraction, 1e-5);
+  EXPECT_EQ(suspension::felt_place(surface::Biconcave(7.2), relaxing(1)).slip, 0);
+}
+
 TEST(FeltSurface, FollowsTheMagicParameter) {
   const surface::Sphere sphere(7.2);
   const double at_1 = felt_retraction(sphere, relaxing(1));

@@ -42,9 +42,10 @@ void array() {
     fluid::Options fluid;  // that of drag_coefficient()
     fluid.tau = 1;
     fluid.collision = fluid::Collision::trt;
-    const double inwards = suspension::felt_retraction(surface::Sphere(a), fluid);
+    const auto [inwards, slip] = suspension::felt_place(surface::Sphere(a), fluid);
     row("array", "plain", 1, a, test::drag_coefficient(L, a, K, 0), K);
-    row("array", "corrected", 1, a, test::drag_coefficient(L, a, K, inwards), K);
+    row("array", "corrected", 1, a,
+        test::drag_coefficient(L, a, K, inwards, test::Interior::fluid, slip), K);
   }
 }
 
@@ -52,16 +53,18 @@ void array() {
 void wall() {
   constexpr double size = 12;
   for (const double a : {4.0, 4.8, 6.0, 7.2}) {
-    const double felt = suspension::felt_retraction(surface::Sphere(a), fluid::Options{});
+    const suspension::FeltPlace felt = suspension::felt_place(surface::Sphere(a), fluid::Options{});
     for (const auto& [name, gap, law] : {std::tuple{"wall-far", 1.0, test::wall_law_far},
                                          {"wall-near", 0.4, test::wall_law_near}}) {
       row(name, "plain", 1, a, test::wall_resistance(a, gap * a, 0, size), law);
-      row(name, "corrected", 1, a, test::wall_resistance(a, gap * a, felt, size), law);
+      row(name, "corrected", 1, a,
+          test::wall_resistance(a, gap * a, felt.retraction, size, felt.slip), law);
     }
   }
 }
 
-// A rigid sphere that may move along z and turn about y alone, by multi-direct forcing.
+// A rigid sphere that may move along z and turn about y alone, by multi-direct forcing as that of
+// rigid::Body.
 class Held final : public coupling::Body {
  public:
   Held(rigid::Surface surface, const Vector3d& centre, double velocity)
@@ -81,29 +84,20 @@ class Held final : public coupling::Body {
   }
   void correct_force(std::span<const double> u, const coupling::Response& /*response*/,
                      std::span<double> increment) override {
-    constexpr double kappa = 2;
     // The velocities for which force along z and torque about y vanish with this increment.
-    double area = 0, flow = 0, inertia = 0, turn = 0, force = 0, torque = 0;
+    Eigen::Matrix2d answer = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d drive = Eigen::Vector2d::Zero();
     for (std::size_t m = 0; m < marker_count(); ++m) {
-      const double A = surface_.areas[m];
-      const Vector3d& r = surface_.markers[m];
-      area += A;
-      flow += A * u[3 * m + 2];
-      inertia += A * (r.z() * r.z() + r.x() * r.x());
-      turn += A * (r.z() * u[3 * m] - r.x() * u[3 * m + 2]);
-      force += force_[3 * m + 2];
-      torque += r.z() * force_[3 * m] - r.x() * force_[3 * m + 2];
+      const auto motion = motion_of(m);
+      answer += motion.transpose() * weight(m) * motion;
+      drive += motion.transpose() * (weight(m) * fluid_at(u, m) - Vector3d::Map(&force_[3 * m]));
     }
-    velocity_ = (flow - force / (2 * kappa)) / area;
-    const double omega = (turn - torque / (2 * kappa)) / inertia;
+    const Eigen::Vector2d found = answer.inverse() * drive;
+    velocity_ = found[0];
     for (std::size_t m = 0; m < marker_count(); ++m) {
-      const Vector3d& r = surface_.markers[m];
-      const Vector3d v(omega * r.z(), 0, velocity_ - omega * r.x());
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t n = 3 * m + c;
-        increment[n] = 2 * kappa * surface_.areas[m] * (v[static_cast<int>(c)] - u[n]);
-        force_[n] += increment[n];
-      }
+      const Vector3d force = weight(m) * (motion_of(m) * found - fluid_at(u, m));
+      Vector3d::Map(&increment[3 * m]) = force;
+      Vector3d::Map(&force_[3 * m]) += force;
     }
   }
   void advance(std::span<const double> /*velocity*/) override {
@@ -117,11 +111,32 @@ class Held final : public coupling::Body {
   [[nodiscard]] double velocity() const { return velocity_; }
 
  private:
+  // Velocity of a marker by that along z and the turn about y.
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> motion_of(std::size_t m) const {
+    const Vector3d& r = surface_.markers[m];
+    Eigen::Matrix<double, 3, 2> motion;
+    motion << 0, r.z(), 0, 0, 1, -r.x();
+    return motion;
+  }
+  // The projection along the surface, of a sphere.
+  [[nodiscard]] Eigen::Matrix3d along(std::size_t m) const {
+    const Vector3d n = surface_.markers[m].normalized();
+    return Eigen::Matrix3d::Identity() - n * n.transpose();
+  }
+  [[nodiscard]] Eigen::Matrix3d weight(std::size_t m) const {
+    const double share = 1 / (1 + 2 * kappa * surface_.missed) - 1;
+    return 2 * kappa * surface_.areas[m] * (Eigen::Matrix3d::Identity() + share * along(m));
+  }
+  [[nodiscard]] Vector3d fluid_at(std::span<const double> u, std::size_t m) const {
+    return Vector3d::Map(&u[3 * m]) +
+           surface_.missed / surface_.areas[m] * (along(m) * Vector3d::Map(&force_[3 * m]));
+  }
   void place() {
     for (std::size_t m = 0; m < marker_count(); ++m)
       Vector3d::Map(&positions_[3 * m]) = centre_ + surface_.markers[m];
   }
 
+  static constexpr double kappa = 2;
   rigid::Surface surface_;
   Vector3d centre_;
   double velocity_;
@@ -149,9 +164,12 @@ double lift_coefficient(int nodes, double tau, bool corrected) {
     plan.ride(carried);
   }
   const surface::Sphere sphere(a);
-  const double inwards = corrected ? suspension::felt_retraction(sphere, plan.fluid) : 0;
-  Held body(rigid::markers_of(sphere.mesh(surface::frequency_for_edge(a, 1.2), -inwards)), centre,
-            carried);
+  suspension::FeltPlace place;
+  if (corrected) place = suspension::felt_place(sphere, plan.fluid);
+  const int frequency = surface::frequency_for_edge(a, 1.2);
+  Held body(rigid::markers_of(sphere.mesh(frequency, -place.retraction),
+                              place.slip / plan.units.viscosity()),
+            centre, carried);
   fluid::Fluid fluid = suspension::make_fluid(plan, MPI_COMM_SELF);
   coupling::Coupler coupler(fluid, {{0, &body}}, 1);
   double sum = 0;

@@ -13,8 +13,9 @@ namespace ductile::test {
 // mean velocity: K. The body force on the whole cell, L^3 f, is what holds it.
 // The approach to the steady state is slow, L^3/(6 pi eta R K) steps; it starts at the mean
 // velocity that goes with the drag `guess`, and ends when the velocity has stopped changing.
+// `slip` in dx/eta, as of suspension::FeltPlace.
 inline double drag_coefficient(int L, double radius, double guess, double inwards,
-                               Interior interior = Interior::fluid) {
+                               Interior interior = Interior::fluid, double slip = 0) {
   constexpr double eta = 1.0 / 6.0;
   constexpr double f = 1e-6;
   const double cell = std::pow(L, 3);
@@ -31,7 +32,7 @@ inline double drag_coefficient(int L, double radius, double guess, double inward
   rigid::Options held;
   held.motion = rigid::Motion::prescribed;
   rigid::Body body =
-      sphere(radius, held, Eigen::Vector3d::Constant(L / 2.0 + 0.2), inwards, interior);
+      sphere(radius, held, Eigen::Vector3d::Constant(L / 2.0 + 0.2), inwards, interior, slip / eta);
   suspension::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   const auto mean_velocity = [&] { return fluid.totals().momentum.z() / cell; };

@@ -35,21 +35,23 @@ constexpr double retraction_solid = 0.7;
 
 using suspension::Interior;
 
-/// A sphere with markers about 1.2 apart, `inwards` of its surface, in that state.
+/// A sphere with markers about 1.2 apart, `inwards` of its surface, in that state. `missed` as of
+/// rigid::Surface.
 inline rigid::Body sphere(double radius, const rigid::Options& options, const rigid::State& state,
-                          double inwards, Interior interior) {
+                          double inwards, Interior interior, double missed = 0) {
   const surface::Sphere shape(radius);
   const int frequency = surface::frequency_for_edge(radius - inwards, 1.2);
-  return {interior == Interior::solid ? rigid::lined(shape, frequency, inwards)
-                                      : rigid::markers_of(shape.mesh(frequency, -inwards)),
+  return {interior == Interior::solid ? rigid::lined(shape, frequency, inwards, missed)
+                                      : rigid::markers_of(shape.mesh(frequency, -inwards), missed),
           rigid::solid_of(shape), options, state};
 }
 
 inline rigid::Body sphere(double radius, const rigid::Options& options, const Eigen::Vector3d& at,
-                          double inwards = retraction, Interior interior = Interior::fluid) {
+                          double inwards = retraction, Interior interior = Interior::fluid,
+                          double missed = 0) {
   rigid::State state;
   state.position = at;
-  return sphere(radius, options, state, inwards, interior);
+  return sphere(radius, options, state, inwards, interior, missed);
 }
 
 /// A spherical capsule, inflated from its reference by `stretch`.

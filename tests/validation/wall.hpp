@@ -16,8 +16,10 @@ constexpr double wall_law_far = 2.125536;
 constexpr double wall_law_near = 3.73562;
 
 /// That force as the gap passes through `gap`, in lattice units as the radius; markers lie
-/// `inwards` of the surface. The fluid is a cube of `size` radii between walls at both ends of z.
-inline double wall_resistance(double radius, double gap, double inwards, double size) {
+/// `inwards` of the surface, with that slip, in dx/eta. The fluid is a cube of `size` radii between
+/// walls at both ends of z.
+inline double wall_resistance(double radius, double gap, double inwards, double size,
+                              double slip = 0) {
   const int L = static_cast<int>(std::lround(size * radius));
   fluid::Options options = box(L, L, L, 1.0);
   options.boundary[2] = fluid::Boundary::halfway;
@@ -28,7 +30,8 @@ inline double wall_resistance(double radius, double gap, double inwards, double 
   rigid::Options towards;
   towards.motion = rigid::Motion::prescribed;
   const double height = radius + gap + speed * static_cast<double>(steps);
-  rigid::Body body = sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5}, inwards);
+  rigid::Body body = sphere(radius, towards, {L / 2.0, L / 2.0, height - 0.5}, inwards,
+                            Interior::fluid, slip / fluid.viscosity());
   body.prescribe({0, 0, -speed}, Eigen::Vector3d::Zero());
   suspension::RigidMarkers markers(body);
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);

@@ -212,7 +212,7 @@ class RigidBody final : public Body {
     options.gravity = plan.gravity;
     options.corrections = kind.corrections;
     options.memory = kind.memory;
-    const rigid::Surface markers = markers_of(body);
+    const rigid::Surface markers = markers_of(plan, body);
     rigid::State state;
     state.position = body.centre;
     state.orientation = Eigen::Quaterniond(body.rotation);
@@ -220,11 +220,12 @@ class RigidBody final : public Body {
     return {markers, rigid::solid_of(*body.shape), options, state};
   }
 
-  static rigid::Surface markers_of(const BodyPlan& body) {
+  static rigid::Surface markers_of(const Plan& plan, const BodyPlan& body) {
     const RigidPlan& kind = *body.rigid();
+    const double missed = kind.slip / plan.units.viscosity();
     return kind.interior == Interior::solid
-               ? rigid::lined(*body.shape, body.frequency, kind.retraction)
-               : rigid::markers_of(body.marker_mesh());
+               ? rigid::lined(*body.shape, body.frequency, kind.retraction, missed)
+               : rigid::markers_of(body.marker_mesh(), missed);
   }
 
   const Units& units_;

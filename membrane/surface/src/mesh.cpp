@@ -188,10 +188,8 @@ std::vector<double> vertex_areas(const Mesh& mesh) {
   return areas;
 }
 
-std::vector<double> offset(std::span<const double> positions,
-                           std::span<const std::array<int, 3>> triangles, double distance) {
-  std::vector<double> moved(positions.begin(), positions.end());
-  if (distance == 0) return moved;
+std::vector<Vector3d> vertex_normals(std::span<const double> positions,
+                                     std::span<const std::array<int, 3>> triangles) {
   const auto vertex = [&](int v) {
     return Vector3d::Map(&positions[3 * static_cast<std::size_t>(v)]);
   };
@@ -200,8 +198,17 @@ std::vector<double> offset(std::span<const double> positions,
     const Vector3d normal = (vertex(b) - vertex(a)).cross(vertex(c) - vertex(a));
     for (const int v : {a, b, c}) normals[static_cast<std::size_t>(v)] += normal;
   }
+  for (Vector3d& normal : normals) normal.normalize();
+  return normals;
+}
+
+std::vector<double> offset(std::span<const double> positions,
+                           std::span<const std::array<int, 3>> triangles, double distance) {
+  std::vector<double> moved(positions.begin(), positions.end());
+  if (distance == 0) return moved;
+  const std::vector<Vector3d> normals = vertex_normals(positions, triangles);
   for (std::size_t v = 0; v < normals.size(); ++v)
-    Vector3d::Map(&moved[3 * v]) += distance * normals[v].normalized();
+    Vector3d::Map(&moved[3 * v]) += distance * normals[v];
   return moved;
 }
 

@@ -70,9 +70,9 @@ struct Options {
   /// that the fluid is given and tells but for that, are those on the lattice.
   double lattice_velocity = 0;
   Precision storage = Precision::double_precision;  ///< of the populations
-  /// Of the collision, and so of the forces that it takes and of the velocity that it leaves in
-  /// boxes. Single needs populations stored in single precision. What is asked of the fluid
-  /// (fields(), totals(), flow(), read_velocity()) is computed in double either way.
+  /// Of the collision, and so of force, velocity and momentum in boxes, and of what Points spread
+  /// and interpolate. Single needs populations stored in single precision. What is told of the
+  /// fluid (fields(), totals(), flow()) is computed in double either way.
   Precision arithmetic = Precision::double_precision;
   /// The kernel runs on the widest that this machine has, unless one is given. Results do not
   /// depend on it.
@@ -194,9 +194,9 @@ class Fluid {
   void reached(int rank, std::span<const double> positions, std::vector<int>& points,
                std::vector<std::size_t>& split) const;
 
-  /// Reads density and momentum (half of the uniform force in, eq. (6)) in all boxes from the
-  /// populations: for bodies that must know the velocity before they choose their force.
-  /// Collective.
+  /// Reads momentum (half of the uniform force in, eq. (6)) and, if it weighs anything, density in
+  /// all boxes from the populations: for bodies that must know the velocity before they choose
+  /// their force. Collective.
   void read_velocity();
   /// In all boxes, velocity <- (momentum + force/2)/density, or without the density where that is
   /// no part of the momentum.

@@ -12,6 +12,15 @@
 // iteration for no slip: a slip mode of eigenvalue lambda of S S^T A shrinks by 1 - kappa lambda
 // each time.
 //
+// What the kernel smooths it also misses of the fluid's answer: of a force along the surface b f_t,
+// f_t being that force per area. Surface::missed is b, and with it (1) becomes
+//
+//     dF_m = 2 kappa A_m T_m (U + omega x r_m - u_m - b P_m F_m/A_m),   T_m = 1 - P_m + P_m/(1 + 2
+//     kappa b)
+//
+// with P_m the projection onto the surface: no slip of the fluid that there would be, the part of
+// dF in it taken at its end.
+//
 // The force of the step before may serve as a first guess, Options::memory: in a flow that hardly
 // changes within a step much of the slip is then gone before the first answer.
 //
@@ -53,6 +62,12 @@ namespace ductile::rigid {
 struct Surface {
   std::vector<Eigen::Vector3d> markers;
   std::vector<double> areas;  ///< of each marker
+  /// Unit normals of the markers on the surface, which come first, if anything is `missed` there;
+  /// else empty.
+  std::vector<Eigen::Vector3d> normals;
+  /// Velocity that the fluid has along the surface there, and its average at the marker has not,
+  /// per force per area along it: b of (1).
+  double missed = 0;
 };
 
 /// A homogeneous solid.
@@ -66,8 +81,8 @@ struct Solid {
 /// What fills a shape. Its markers may well lie slightly inside the shape's surface (an offset of
 /// Shape::mesh()), to make up for the width of the kernel.
 Solid solid_of(const surface::Shape& shape);
-/// A marker at each vertex of a mesh, with the vertex's area.
-Surface markers_of(const surface::Mesh& mesh);
+/// A marker at each vertex of a closed mesh, with the vertex's area and normal.
+Surface markers_of(const surface::Mesh& mesh, double missed = 0);
 
 /// What moves a body.
 enum class Motion {
@@ -109,7 +124,7 @@ struct Options {
 /// surface's kernel: the largest eigenvalue of S S^T A is then 0.42, and at most 0.82 where two
 /// such bodies touch (flat ones), which need a relaxation below 2.4 (see Options::relaxation).
 /// Throws std::invalid_argument as Shape::mesh().
-Surface lined(const surface::Shape& shape, int frequency, double retraction);
+Surface lined(const surface::Shape& shape, int frequency, double retraction, double missed = 0);
 /// How many markers lined() makes, without making them; of a shape that is no sphere by its reach,
 /// which its vertices fall short of by a little.
 long long lined_marker_count(const surface::Shape& shape, int frequency, double retraction);
@@ -138,8 +153,8 @@ using StateWriter = std::function<void(std::string_view name, std::span<const do
 /// Fills in what a StateWriter took under that name, of the same size.
 using StateReader = std::function<void(std::string_view name, std::span<double> numbers)>;
 
-/// Velocity that the markers, those inside too, have and the fluid does not: |U + omega x r_m -
-/// u_m|.
+/// Velocity that the markers, those inside too, have and the fluid does not: what (1) has in
+/// brackets.
 struct Slip {
   double max = 0;
   double rms = 0;  ///< weighted with the areas
@@ -228,6 +243,11 @@ class Body {
   [[nodiscard]] Eigen::Vector3d angular_momentum_before() const;
   // Adds to the force of the step under way.
   void add_force(std::size_t marker, const Eigen::Vector3d& force);
+  // The fluid's velocity at a marker, what the kernel misses of it included.
+  [[nodiscard]] Eigen::Vector3d fluid_at(std::span<const double> velocity,
+                                         std::size_t marker) const;
+  // 2 kappa A_m T_m v
+  [[nodiscard]] Eigen::Vector3d answer(std::size_t marker, const Eigen::Vector3d& velocity) const;
 
   Surface surface_;
   Solid solid_;
@@ -235,7 +255,8 @@ class Body {
   State state_;
   Eigen::LLT<Matrix6d> balance_;  // of (2) and (3) with (1), body frame
 
-  std::vector<Eigen::Vector3d> arms_;  // r_m, space frame
+  std::vector<Eigen::Vector3d> arms_;     // r_m, space frame
+  std::vector<Eigen::Vector3d> normals_;  // space frame, of those that have one
   std::vector<double> positions_;
 
   // The step under way: U and omega, and the markers' forces on the fluid with total and torque.

@@ -44,6 +44,7 @@ struct RigidPlan {
   double memory = 0;      ///< see rigid::Options
   double retraction = 0;  ///< how far inside of the surface the markers lie
   Interior interior = Interior::fluid;
+  double slip = 0;  ///< along the surface: rigid::Surface::missed, in dx/eta
 };
 
 struct BodyPlan {

@@ -54,8 +54,11 @@ double area(const Mesh& mesh);
 /// Area of each vertex: a third of that of the triangles it belongs to. Sums to area().
 std::vector<double> vertex_areas(const Mesh& mesh);
 
-/// The vertices of a closed surface moved outwards by `distance`, each along its normal: the mean
-/// of its triangles', weighted with their areas. 3 numbers a vertex.
+/// Unit normal of each vertex of a closed surface, outwards: the mean of its triangles', weighted
+/// with their areas. `positions` hold 3 numbers a vertex.
+std::vector<Eigen::Vector3d> vertex_normals(std::span<const double> positions,
+                                            std::span<const std::array<int, 3>> triangles);
+/// The vertices of a closed surface moved outwards by `distance`, each along its normal.
 std::vector<double> offset(std::span<const double> positions,
                            std::span<const std::array<int, 3>> triangles, double distance);
 
