@@ -5,8 +5,8 @@
     doc/figures/convergence.py RUNS
 
 Draws a figure a case into convergence/ beside this file, and prints the tables of
-doc/convergence.md: each number by the paper's coupling (markers on the surface, a lattice at rest)
-and by the default ("corrected"), Richardson's limit of the two finest lattices, and the
+doc/convergence.md: each number by the paper's coupling (markers on the surface, a lattice at rest),
+by the default ("corrected") and, of rigid spheres, with slip, Richardson's limit of the two finest lattices, and the
 order that the last three of each show, where they go one way.
 """
 import csv
@@ -96,7 +96,7 @@ def richardson(n, values, order=2):
 def draw(name, label, series, limit, axis):
     figure, axes = plt.subplots(figsize=(4.6, 3.2), layout="constrained")
     for method, (n, values) in series.items():
-        style = {"plain": "o--", "corrected": "s-"}[method.split(",")[0]]
+        style = {"plain": "o--", "corrected": "s-", "slip": "^:"}[method.split(",")[0]]
         axes.plot(1 / np.array(n) ** 2, values, style, fillstyle="none",
                   label=method.replace("corrected", "default"))
     if limit is not None:
@@ -105,7 +105,10 @@ def draw(name, label, series, limit, axis):
     axes.locator_params(axis="x", nbins=5)  # more would run into each other
     axes.set_xlabel(axis)
     axes.set_ylabel(label, fontsize="small")
-    axes.legend(fontsize="small", frameon=False)
+    if len(series) > 4:
+        figure.legend(loc="outside upper center", ncols=3, fontsize="x-small", frameon=False)
+    else:
+        axes.legend(fontsize="small", frameon=False)
     figure.savefig(HERE / f"{name}.png", dpi=110)
     plt.close(figure)
 
@@ -117,15 +120,16 @@ def main():
     print("|---|---|" + "---|" * (len(NODES) + 2))
     for name, campaign, case, quantity, label in CASES:
         series = {}
-        for method, suffix in (("plain", "-plain"), ("corrected", "")):
+        for method, suffix in (("plain", "-plain"), ("corrected", ""), ("slip", "-slip")):
             found = {}
             for n in NODES:
                 path = runs / (campaign + suffix) / "cases" / case.replace("@", str(n))
                 path /= "trajectory.csv"
                 if path.exists() and (value := quantity(rows(path))) is not None:
                     found[n] = value
-            if found:
-                series[method] = (list(found), list(found.values()))
+            if not found:
+                continue
+            series[method] = (list(found), list(found.values()))
             limit, order = richardson(list(found), list(found.values()))
             cells = [f"{found[n]:.4f}" if n in found else "" for n in NODES]
             cells += [f"{limit:.4f}" if limit is not None else "",
