@@ -106,7 +106,8 @@ def draw(name, label, series, limit, axis):
     axes.set_xlabel(axis)
     axes.set_ylabel(label, fontsize="small")
     if len(series) > 4:
-        figure.legend(loc="outside upper center", ncols=3, fontsize="x-small", frameon=False)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3, fontsize="x-small",
+                    frameon=False)
     else:
         axes.legend(fontsize="small", frameon=False)
     figure.savefig(HERE / f"{name}.png", dpi=110)
