@@ -15,8 +15,8 @@
 // What the kernel smooths it also misses of the fluid's answer: of a force along the surface b f_t,
 // f_t being that force per area. Surface::missed is b, and with it (1) becomes
 //
-//     dF_m = 2 kappa A_m T_m (U + omega x r_m - u_m - b P_m F_m/A_m),   T_m = 1 - P_m + P_m/(1 + 2
-//     kappa b)
+//     dF_m = 2 kappa A_m T_m (U + omega x r_m - u_m - b P_m F_m/A_m)
+//     T_m  = 1 - P_m + P_m/(1 + 2 kappa b)
 //
 // with P_m the projection onto the surface: no slip of the fluid that there would be, the part of
 // dF in it taken at its end.
