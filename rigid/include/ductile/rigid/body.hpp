@@ -253,7 +253,8 @@ class Body {
   Solid solid_;
   Options options_;
   State state_;
-  Eigen::LLT<Matrix6d> balance_;  // of (2) and (3) with (1), body frame
+  // Of (2) and (3) with (1), body frame; of a free body.
+  Eigen::LLT<Matrix6d> balance_{Matrix6d::Identity()};
 
   std::vector<Eigen::Vector3d> arms_;     // r_m, space frame
   std::vector<Eigen::Vector3d> normals_;  // space frame, of those that have one
