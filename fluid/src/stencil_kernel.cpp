@@ -9,19 +9,6 @@ namespace ductile::fluid {
 namespace {
 
 using IntLanes [[gnu::vector_size(4 * sizeof(int))]] = int;
-template <class Number>
-struct FourOf {
-  using type [[gnu::vector_size(4 * sizeof(Number))]] = Number;
-};
-template <class Number>
-using Four = typename FourOf<Number>::type;
-
-template <class Number>
-[[gnu::always_inline]] inline Four<Number> load_four(const Number* from) {
-  Four<Number> values;
-  __builtin_memcpy(&values, from, sizeof values);
-  return values;
-}
 
 // How some points meet the lattice: point m the nodes from base[3 m + axis] to 3 beyond, with phi,
 // eq. (17), at each of them from phi[12 m + 4 axis] on. It is cheaper to compute for a few points
@@ -44,7 +31,7 @@ struct Stencils {
                   0.125 * (1 + 2 * r - s)};
     transpose(p);
     for (std::size_t k = 0; k < 4; ++k)
-      store(phi + 4 * (n + k), __builtin_convertvector(p[k], Four<Number>));
+      store(phi + 4 * (n + k), __builtin_convertvector(p[k], LanesOf<Number>));
   }
 
   [[gnu::always_inline]] void locate(const double* x, std::size_t count) {
@@ -111,8 +98,8 @@ void spread(const double* x, std::size_t count, const double* force,
       count, [&](std::size_t m, const int* base, const Number* phi) __attribute__((always_inline)) {
         for_images(
             base[2], field, period, [&](int k) __attribute__((always_inline)) {
-              const Four<Number> z = load_four(phi + 8);
-              Four<Number> f[3];
+              const LanesOf<Number> z = load(phi + 8);
+              LanesOf<Number> f[3];
               for (std::size_t axis = 0; axis < 3; ++axis)
                 f[axis] = z * static_cast<Number>(force[3 * m + axis]);
               const std::ptrdiff_t first = corner(base, field, k);
@@ -122,7 +109,7 @@ void spread(const double* x, std::size_t count, const double* force,
                   const std::ptrdiff_t n = first + i * across + j * field.pitch;
                   for (int axis = 0; axis < 3; ++axis) {
                     Number* to = field.component[axis] + n;
-                    store(to, load_four(to) + w * f[axis]);
+                    store(to, load(to) + w * f[axis]);
                   }
                 }
               }
@@ -136,15 +123,15 @@ template <class Number, class F>
                                              const PatchField<const Number>& field, int k, F&& f) {
   const std::ptrdiff_t across = field.size[1] * field.pitch;
   const std::ptrdiff_t first = corner(base, field, k);
-  Four<Number> u[3] = {};
+  LanesOf<Number> u[3] = {};
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
       const Number w = phi[i] * phi[4 + j];
       const std::ptrdiff_t n = first + i * across + j * field.pitch;
-      for (int axis = 0; axis < 3; ++axis) u[axis] += w * load_four(field.component[axis] + n);
+      for (int axis = 0; axis < 3; ++axis) u[axis] += w * load(field.component[axis] + n);
     }
   }
-  const Four<Number> z = load_four(phi + 8);
+  const LanesOf<Number> z = load(phi + 8);
   for (int axis = 0; axis < 3; ++axis) f(axis, __builtin_convertvector(z * u[axis], Lanes));
 }
 

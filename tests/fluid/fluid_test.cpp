@@ -301,6 +301,7 @@ TEST(Fluid, VelocityInPatchesHoldsHalfOfTheForce) {
         for (int j = 0; j < patch.size[1]; ++j) {
           for (int k = 0; k < patch.size[2]; ++k, ++nodes) {
             const auto n = static_cast<std::size_t>(patch.at(i, j, k));
+            EXPECT_NEAR(ductile::test::density_of(patch, n), weighing, 1e-15);
             EXPECT_NEAR(velocity_of(patch, 0, n), 0.01 + 0.02 / weighing, 1e-15);
             EXPECT_NEAR(velocity_of(patch, 2, n), 0.03 + 0.02 / weighing, 1e-15);
           }

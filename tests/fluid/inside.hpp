@@ -26,6 +26,16 @@ inline double velocity_of(const fluid::Patch& patch, std::size_t axis, std::size
   return std::visit([&](const auto& local) -> double { return local.velocity[axis][node]; },
                     patch.local);
 }
+/// As of read_velocity(); a density that weighs nothing is 1.
+inline double momentum_of(const fluid::Patch& patch, std::size_t axis, std::size_t node) {
+  return std::visit([&](const auto& local) -> double { return local.momentum[axis][node]; },
+                    patch.local);
+}
+inline double density_of(const fluid::Patch& patch, std::size_t node) {
+  return std::visit(
+      [&](const auto& local) -> double { return local.density.empty() ? 1 : local.density[node]; },
+      patch.local);
+}
 inline void set_force(fluid::Patch& patch, std::size_t axis, std::size_t node, double value) {
   std::visit(
       [&]<class Number>(fluid::LocalFields<Number>& local) {

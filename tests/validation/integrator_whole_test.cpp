@@ -37,8 +37,8 @@ TEST(IntegratorsInAChannel, StiffCapsuleMovesInHalfOfItAsInTheWhole) {
   // The plane on nodes and between them; what is round-off to the one and the other.
   for (const auto& [nodes, precision, round_off] : {std::tuple(17, "double", 1e-12),
                                                     {24, "double", 1e-12},
-                                                    {17, "single", 1e-10},
-                                                    {24, "single", 1e-10}}) {
+                                                    {17, "single", 1e-11},
+                                                    {24, "single", 1e-11}}) {
     test::Channel whole(scenario(nodes, "none", precision));
     test::Channel half(scenario(nodes, "y", precision));
     whole.run(.5);

@@ -12,10 +12,17 @@
 namespace ductile {
 namespace {
 
-using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
+template <class Number>
+struct FourOf {
+  using type [[gnu::vector_size(4 * sizeof(Number))]] = Number;
+};
+template <class Number>
+using LanesOf = typename FourOf<Number>::type;
+using Lanes = LanesOf<double>;
 
-[[gnu::always_inline]] inline Lanes load(const double* from) {
-  Lanes values;
+template <class Number>
+[[gnu::always_inline]] inline LanesOf<Number> load(const Number* from) {
+  LanesOf<Number> values;
   __builtin_memcpy(&values, from, sizeof values);
   return values;
 }
