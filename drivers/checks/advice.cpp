@@ -75,7 +75,9 @@ void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
         carried ? "fluid.frame = \"bodies\" or " : ""));
   }
   for (const Gap& gap : gaps(plan)) {
-    if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off) {
+    if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off &&
+        !(suspension::has_films(plan.bodies[gap.body]) &&
+          suspension::has_films(plan.bodies[gap.other]))) {
       list.push_back(fmt::format(
           "the gap between {} and {} is {:.1f} lattice spacings, under the {} that resolve the "
           "flow in it; channel.nodes = {} would do",

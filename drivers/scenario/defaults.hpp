@@ -29,7 +29,7 @@ double least_density_ratio(const surface::Shape& shape, int frequency, double re
 /// (suspension::felt_retraction). Takes the shape and the radius of the body.
 double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
                           const BodyOptions& body, double slip);
-/// Of a rigid body with fluid inside, with the slip that is "felt" (suspension::felt_place); alike.
+/// Of a rigid body with fluid inside, and its slip (suspension::felt_place); alike.
 suspension::FeltPlace default_place(const ChannelOptions& channel, const FluidOptions& fluid,
                                     const BodyOptions& body);
 /// How much more of it a solid takes: inner shells make the surface felt further out.

@@ -350,15 +350,17 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
       number_or(
           "retraction", &R::retraction, between(0, 2), "felt", "dx",
           "How far inside of its surface a body's markers lie, as the kernel makes it felt "
-          "further out than they are. felt: what makes it felt where it is, 0.4 + 1.4 dx/a at "
-          "tau = 1, less with a slip, and 0.2 more for a solid. 0: on the surface, the paper's "
-          "method"),
+          "further out than they are. felt: what makes it felt where it is at this slip, "
+          "at tau = 1 2.7 dx/a; without slip 0.4 + 1.4 dx/a, and 0.2 more for a solid. 0: on the "
+          "surface, the paper's method"),
       number_or(
           "slip", &R::slip, between(0, 1), "felt", "dx",
           "How far fluid and body slip along a body's surface at its markers, in dx/eta times the "
-          "force per area: what the kernel misses of the fluid's answer. felt: what makes a sphere "
-          "felt where it is to one more order, 0.1 at a = 8 dx; 0 of a solid. Of bodies that come "
-          "within the kernel's reach of each other surfaces may cross. 0: the paper's method"),
+          "force per area: what the kernel misses of the fluid's answer. felt: with the retraction "
+          "what makes the surface felt where it is, 0.1 at a = 8 dx; 0 of bodies that are solid, "
+          "no spheres, or lighter than the fluid, and with a retraction that is given. Spheres with "
+          "slip feel the film between them, where it is too thin for the lattice, by lubrication "
+          "theory. 0: the paper's method"),
       choice<R, suspension::Interior>(
           "interior", &R::interior,
           {{"fluid", suspension::Interior::fluid}, {"solid", suspension::Interior::solid}},

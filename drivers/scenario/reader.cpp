@@ -20,13 +20,20 @@ namespace ductile::drivers {
 namespace {
 
 /// Where a rigid body's markers lie, how far the fluid slips along them, and what is inside, as far
-/// as the scenario leaves it to the program.
+/// as the scenario leaves it to the program. What is said of retraction or slip decides the other.
+/// Slip takes from the force with which fluid keeps a light body stable.
 void place_markers(const Scenario& s, bool any_interior, BodyOptions& body) {
   RigidOptions& rigid = body.rigid;
   const bool felt = !rigid.retraction;
   const bool slip_felt = !rigid.slip;
-  if (slip_felt) rigid.slip = default_place(s.channel, s.fluid, body).slip;
-  if (felt) rigid.retraction = default_retraction(s.channel, s.fluid, body, *rigid.slip);
+  if (felt && slip_felt && body.density_ratio >= 1) {
+    const suspension::FeltPlace place = default_place(s.channel, s.fluid, body);
+    rigid.retraction = place.retraction;
+    rigid.slip = place.slip;
+  }
+  if (!rigid.slip) rigid.slip = 0;
+  if (!rigid.retraction)
+    rigid.retraction = default_retraction(s.channel, s.fluid, body, *rigid.slip);
   if (any_interior) rigid.interior = default_interior(s.channel, s.fluid, body);
   if (rigid.interior == suspension::Interior::fluid) return;
   if (slip_felt) rigid.slip = 0;

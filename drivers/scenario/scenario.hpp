@@ -75,7 +75,7 @@ struct RigidOptions {
   int iterations = 5;
   double memory = 0;
   std::optional<double> retraction;  ///< as a membrane's
-  std::optional<double> slip = 0;    ///< alike
+  std::optional<double> slip;        ///< alike
   suspension::Interior interior = suspension::Interior::fluid;
   double edge = 1.2;
   int frequency = 0;

@@ -334,8 +334,9 @@ void Body::correct_force(std::span<const double> velocity, std::span<double> inc
 
   if (options_.motion == Motion::free) {
     const double excess = options_.density_ratio - 1;
-    Vector3d momentum = excess * solid_.volume * (state_.velocity + options_.gravity) - force_;
-    Vector3d angular_momentum = excess * angular_momentum_before() - torque_;
+    Vector3d momentum =
+        excess * solid_.volume * (state_.velocity + options_.gravity) - force_ + film_force_;
+    Vector3d angular_momentum = excess * angular_momentum_before() - torque_ + film_torque_;
     for (std::size_t m = 0; m < marker_count(); ++m) {
       const Vector3d drive = answer(m, fluid_at(velocity, m));
       momentum += drive;
@@ -384,9 +385,11 @@ void Body::advance(std::span<const double> velocity) {
   }
 
   slip_ = slip;
-  hydrodynamic_force_ = solid_.volume * (velocity_ - state_.velocity) - force_;
-  hydrodynamic_torque_ =
-      apply_turned(solid_.inertia, angular_velocity_) - angular_momentum_before() - torque_;
+  hydrodynamic_force_ = solid_.volume * (velocity_ - state_.velocity) - force_ + film_force_;
+  hydrodynamic_torque_ = apply_turned(solid_.inertia, angular_velocity_) -
+                         angular_momentum_before() - torque_ + film_torque_;
+  film_force_.setZero();
+  film_torque_.setZero();
   if (options_.memory > 0) {
     state_.forces.resize(marker_count());
     const Quaterniond to_body = state_.orientation.conjugate();
@@ -428,6 +431,12 @@ void Body::load(const StateReader& read) {
   check_state(loaded.state_, marker_count());
   loaded.place_markers();
   *this = std::move(loaded);
+}
+
+void Body::add_film_force(const Vector3d& force, const Vector3d& torque) {
+  if (!force.allFinite() || !torque.allFinite()) reject("the force of a film must be finite");
+  film_force_ += force;
+  film_torque_ += torque;
 }
 
 void Body::prescribe(const Vector3d& velocity, const Vector3d& angular_velocity) {

@@ -28,7 +28,7 @@ using test::channel;
 
 /// Every kind of body and of integrator, in near contact and across the periodic end.
 Plan everything(fluid::Precision precision) {
-  Plan plan = channel({20, 20, 44});
+  Plan plan = channel({20, 20, 58});
   plan.fluid.storage = plan.fluid.arithmetic = precision;
   plan.gravity = {0, 0, 1e-5};
   const auto add = [&plan](BodyPlan body, auto kind) {
@@ -50,6 +50,10 @@ Plan everything(fluid::Precision precision) {
   add(body(plan, "damped", "sphere", {0.35, 0.1, -1.0}), damped);
   add(body(plan, "own", "sphere", {0, -0.3, -1.8}),
       capsule(plan, membrane::scheme<membrane::Heun>("heun"), 10));
+  // Two with a film between them.
+  const RigidPlan slipping{1, 2, 0.9, 0.7, Interior::fluid, 0.03};
+  add(body(plan, "left", "sphere", {-0.3, 0.1, 2.6}), slipping);
+  add(body(plan, "right", "sphere", {0.31, 0.1, 2.65}), slipping);
   plan.ride(0.8 * plan.u_max);
   plan.follow = true;
   return plan;

@@ -180,6 +180,7 @@ class RigidBody final : public Body {
     seen.rigid = &body_;
     return seen;
   }
+  [[nodiscard]] rigid::Body* rigid() override { return &body_; }
   void save(const StateWriter& write) const override {
     body_.save(write);
     write("fluid_velocity", markers_.velocity());
@@ -212,20 +213,12 @@ class RigidBody final : public Body {
     options.gravity = plan.gravity;
     options.corrections = kind.corrections;
     options.memory = kind.memory;
-    const rigid::Surface markers = markers_of(plan, body);
+    const rigid::Surface markers = markers_of(body, plan.units.viscosity());
     rigid::State state;
     state.position = body.centre;
     state.orientation = Eigen::Quaterniond(body.rotation);
     if (kind.density_ratio == 1) drift(InitialFlow(plan), markers, state);
     return {markers, rigid::solid_of(*body.shape), options, state};
-  }
-
-  static rigid::Surface markers_of(const Plan& plan, const BodyPlan& body) {
-    const RigidPlan& kind = *body.rigid();
-    const double missed = kind.slip / plan.units.viscosity();
-    return kind.interior == Interior::solid
-               ? rigid::lined(*body.shape, body.frequency, kind.retraction, missed)
-               : rigid::markers_of(body.marker_mesh(), missed);
   }
 
   const Units& units_;
@@ -237,6 +230,14 @@ class RigidBody final : public Body {
 };
 
 }  // namespace
+
+rigid::Surface markers_of(const BodyPlan& body, double viscosity) {
+  const RigidPlan& kind = *body.rigid();
+  const double missed = kind.slip / viscosity;
+  return kind.interior == Interior::solid
+             ? rigid::lined(*body.shape, body.frequency, kind.retraction, missed)
+             : rigid::markers_of(body.marker_mesh(), missed);
+}
 
 std::unique_ptr<Body> make_body(const Plan& plan, std::size_t index) {
   const BodyPlan& body = plan.bodies.at(index);

@@ -9,6 +9,7 @@
 
 #include "ductile/fluid/mpi.hpp"
 #include "ductile/suspension/suspension.hpp"
+#include "films.hpp"
 #include "planes.hpp"
 
 namespace ductile::suspension {
@@ -129,6 +130,11 @@ void Suspension::save(const StateWriter& write) {
     const std::vector<double> whole = planes.gathered(numbers);
     if (root) put(path, whole);
   });
+  if (films_ && root) {  // the same on every rank
+    films_->lubrication().save([&](std::string_view name, std::span<const double> numbers) {
+      put("films/" + std::string(name), numbers);
+    });
+  }
   for (std::size_t b = 0; b < plan_.bodies.size(); ++b) {
     const std::string prefix = "body/" + plan_.bodies[b].name + "/";
     if (root && owner(b) == 0) {
@@ -164,9 +170,7 @@ void Suspension::load(const StateReader& read) {
   const bool root = rank() == 0;
   Failure failure;
   // Rank 0's alone may fail; then all stop at the same part.
-  const auto of_fluid = [&](std::string_view name, std::span<double> numbers) {
-    const std::string path = "fluid/" + std::string(name);
-    const bool of_nodes = numbers.size() == planes.own_size();
+  const auto shared = [&](const std::string& path, bool of_nodes, std::span<double> numbers) {
     std::vector<double> whole(root ? (of_nodes ? planes.whole_size() : numbers.size()) : 0);
     std::exception_ptr refused;
     if (root) {
@@ -188,7 +192,15 @@ void Suspension::load(const StateReader& read) {
     mpi_check(MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, comm()),
               "MPI_Bcast");
   };
-  failure.guard([&] { fluid_.load(of_fluid); });
+  failure.guard([&] {
+    fluid_.load([&](std::string_view name, std::span<double> numbers) {
+      shared("fluid/" + std::string(name), numbers.size() == planes.own_size(), numbers);
+    });
+    if (!films_) return;
+    films_->lubrication().load([&](std::string_view name, std::span<double> numbers) {
+      shared("films/" + std::string(name), false, numbers);
+    });
+  });
 
   for (const Owned& owned : root ? std::span<const Owned>(bodies_) : std::span<const Owned>()) {
     const std::string prefix = "body/" + plan_.bodies[owned.index].name + "/";

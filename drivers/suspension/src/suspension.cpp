@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "films.hpp"
 #include "gap_finder.hpp"
 #include "gather.hpp"
 #include "planes.hpp"
@@ -38,6 +39,7 @@ Suspension::Suspension(Plan plan, MPI_Comm comm)
       owners_(suspension::owners(plan_, comm_.size())),
       fluid_(make_fluid(plan_, comm_.get())) {
   make_bodies();
+  films_ = Films::make(plan_);
   std::vector<coupling::Member> members;
   for (const Owned& owned : bodies_) {
     members.push_back({static_cast<int>(owned.index), &owned.body->markers()});
@@ -72,8 +74,43 @@ void Suspension::make_bodies() {
 }
 
 void Suspension::step() {
+  if (films_) lubricate();
   coupler_->step();
   if (plan_.follow && !plan_.bodies.empty() && steps() % steering_steps == 0) steer();
+}
+
+// Every rank finds all forces, from the motions of all spheres; each number of these is one rank's,
+// and zero elsewhere.
+void Suspension::lubricate() {
+  const std::vector<std::size_t>& spheres = films_->bodies();
+  std::vector<double> numbers(9 * spheres.size(), 0.0);
+  const auto for_own = [&](const auto& f) {
+    for (const Owned& owned : bodies_) {
+      const auto found = std::ranges::lower_bound(spheres, owned.index);
+      if (found == spheres.end() || *found != owned.index) continue;
+      f(static_cast<std::size_t>(found - spheres.begin()), *owned.body->rigid());
+    }
+  };
+  for_own([&](std::size_t n, const rigid::Body& body) {
+    const auto put = [&](std::size_t k, const Eigen::Vector3d& vector) {
+      Eigen::Vector3d::Map(&numbers[9 * n + 3 * k]) = vector;
+    };
+    put(0, body.state().position);
+    put(1, body.state().velocity);
+    put(2, body.state().angular_velocity);
+  });
+  mpi_check(MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()),
+                          MPI_DOUBLE, MPI_SUM, comm()),
+            "MPI_Allreduce");
+  std::vector<rigid::SphereMotion> motions;
+  for (std::size_t n = 0; n < numbers.size(); n += 9) {
+    const auto get = [&](std::size_t k) { return Eigen::Vector3d::Map(&numbers[n + 3 * k]); };
+    motions.push_back({get(0), get(1), get(2)});
+  }
+  const std::span<const rigid::FilmForce> films = films_->lubrication().forces(motions);
+  for_own([&](std::size_t n, rigid::Body& body) {
+    body.add_film_force(films[n].force, films[n].torque);
+  });
 }
 
 // The lattice's velocity relaxes to the mean of the bodies', a body's being that of its markers.

@@ -208,6 +208,12 @@ class Body {
   /// spacing or to no finite place; the state is then that before the step.
   void advance(std::span<const double> velocity);
 
+  /// Adds to the force and torque that the surrounding fluid exerts on the body in the next step,
+  /// about its centre of mass, what does not come by way of the markers: that of a film too thin
+  /// for the lattice (lubrication.hpp). Until advance(); then there is none. Throws
+  /// std::invalid_argument if it is not finite.
+  void add_film_force(const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
+
   /// Sets the motion of a prescribed body from the next step on. Throws std::logic_error if free.
   void prescribe(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity);
 
@@ -264,6 +270,7 @@ class Body {
   Eigen::Vector3d velocity_, angular_velocity_;
   std::vector<Eigen::Vector3d> forces_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), torque_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d film_force_ = Eigen::Vector3d::Zero(), film_torque_ = Eigen::Vector3d::Zero();
 
   Eigen::Vector3d hydrodynamic_force_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d hydrodynamic_torque_ = Eigen::Vector3d::Zero();

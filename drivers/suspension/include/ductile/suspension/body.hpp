@@ -7,6 +7,7 @@
 
 #include "ductile/coupling/body.hpp"
 #include "ductile/membrane/integrator.hpp"
+#include "ductile/rigid/body.hpp"
 #include "ductile/suspension/plan.hpp"
 #include "ductile/suspension/sample.hpp"
 
@@ -37,6 +38,8 @@ class Body {
   [[nodiscard]] virtual std::vector<double> velocities() const = 0;
   [[nodiscard]] virtual std::span<const double> forces() const = 0;
   [[nodiscard]] virtual Observation observe() const = 0;
+  /// Null unless it is rigid.
+  [[nodiscard]] virtual rigid::Body* rigid() { return nullptr; }
   /// What a capsule's integrator has spent so far; zeros of any other body.
   [[nodiscard]] virtual membrane::SolveStatistics solver() const { return {}; }
 
@@ -46,6 +49,9 @@ class Body {
   /// for nothing but another load().
   virtual void load(const StateReader& read) = 0;
 };
+
+/// The markers of a rigid body.
+rigid::Surface markers_of(const BodyPlan& body, double viscosity);
 
 /// Body `index` of the plan, which must outlive it. Throws std::invalid_argument as
 /// membrane::Capsule or rigid::Body.

@@ -135,6 +135,10 @@ double half_width(int nodes, fluid::Boundary walls);
 /// plates (no side walls). `half_width_y` in W.
 double poiseuille_coefficient(double half_width_y, bool side_walls);
 
+/// Whether the body takes part in films: a rigid sphere with slip. What the lattice does not resolve
+/// of the flow between two such comes from lubrication theory (rigid::Lubrication).
+bool has_films(const BodyPlan& body);
+
 /// The flow of a plan at t = 0, which is the same all along z.
 class InitialFlow {
  public:

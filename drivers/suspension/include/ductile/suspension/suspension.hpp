@@ -28,6 +28,7 @@
 
 namespace ductile::suspension {
 
+class Films;
 class GapFinder;
 
 /// A body's surface at one instant: 3n numbers each, x y z of every vertex of BodyPlan::mesh().
@@ -89,9 +90,9 @@ class Suspension {
 
   /// Calls rank 0's `write` with a name and numbers for all that determines the future: of the
   /// fluid "fluid/time", "fluid/lattice" and populations of the whole lattice (see
-  /// fluid::Fluid::save), and of every body "body/NAME/...". The same to the last bit on any number
-  /// of ranks. Between steps only. What `write` throws passes through there, the other ranks throw
-  /// std::runtime_error.
+  /// fluid::Fluid::save), of every body "body/NAME/...", and "films/..." if there are any. The same
+  /// to the last bit on any number of ranks. Between steps only. What `write` throws passes through
+  /// there, the other ranks throw std::runtime_error.
   void save(const StateWriter& write);
   /// Takes over what a suspension of the same plan has saved, on any number of ranks; what follows
   /// is the same to the last bit as there. Rank 0's `read` fills the numbers of a name. What it
@@ -101,6 +102,7 @@ class Suspension {
 
  private:
   void make_bodies();
+  void lubricate();
   void steer();
 
   struct Owned {
@@ -112,6 +114,7 @@ class Suspension {
   fluid::Communicator comm_;
   std::vector<int> owners_;
   fluid::Fluid fluid_;
+  std::unique_ptr<Films> films_;  // none if there are not two spheres that have them
   std::vector<Owned> bodies_;
   std::optional<coupling::Coupler> coupler_;
   std::unique_ptr<GapFinder> gap_finder_;  // rank 0's, once asked for

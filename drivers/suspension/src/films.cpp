@@ -1,0 +1,39 @@
+#include "films.hpp"
+
+#include <utility>
+
+#include "ductile/surface/sphere.hpp"
+#include "ductile/suspension/body.hpp"
+
+namespace ductile::suspension {
+
+bool has_films(const BodyPlan& body) {
+  const RigidPlan* kind = body.rigid();
+  return kind != nullptr && kind->slip > 0 &&
+         dynamic_cast<const surface::Sphere*>(body.shape.get()) != nullptr;
+}
+
+std::unique_ptr<Films> Films::make(const Plan& plan) {
+  std::vector<std::size_t> bodies;
+  std::vector<rigid::Lubrication::Sphere> spheres;
+  const double viscosity = plan.units.viscosity();
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const BodyPlan& body = plan.bodies[b];
+    if (!has_films(body)) continue;
+    bodies.push_back(b);
+    spheres.push_back({body.shape->radius(), rigid::film_mobility(markers_of(body, viscosity),
+                                                                  rigid::solid_of(*body.shape),
+                                                                  body.rigid()->density_ratio)});
+  }
+  if (bodies.size() < 2) return nullptr;
+  const auto period = [&](std::size_t axis) {
+    return plan.fluid.boundary[axis] == fluid::Boundary::periodic ? plan.fluid.nodes[axis] : 0.0;
+  };
+  return std::unique_ptr<Films>(
+      new Films(std::move(bodies), {std::move(spheres), viscosity, {period(1), period(2)}}));
+}
+
+Films::Films(std::vector<std::size_t> bodies, rigid::Lubrication lubrication)
+    : bodies_(std::move(bodies)), lubrication_(std::move(lubrication)) {}
+
+}  // namespace ductile::suspension
