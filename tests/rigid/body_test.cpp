@@ -433,6 +433,39 @@ TEST_P(DensityRatio, MomentumOfBodyAndFluidGrowsByTheExcessWeightAlone) {
   }
 }
 
+// What a film exerts in a step goes on to body and fluid together, and is part of what the body
+// tells of the fluid's force; the next step has none of it.
+TEST_P(DensityRatio, AFilmsForceIsOfItsStepAlone) {
+  const double ratio = GetParam(), a = 6;
+  const Surface surface = spiral(a, 150);
+  Options options;
+  options.density_ratio = ratio;
+  options.corrections = 2;
+  options.memory = 0.5;
+  Body body(surface, ball(a), options, {});
+  const double excess = (ratio - 1) * ball(a).volume;
+  const double inertia = (ratio - 1) * ball(a).inertia(0, 0);
+  const auto fluid = local_fluid(surface, [](const Vector3d&) { return Vector3d(0, 0, 0); });
+  const Vector3d film(0.2, -0.1, 0.3), turn(0.3, 0.1, 0.2);
+  Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
+  for (const double share : {0.0, 1.0, 2.0, 0.0}) {
+    for (int part = 0; part < static_cast<int>(share); ++part) body.add_film_force(film, turn);
+    const Impulse impulse = step(body, fluid);
+    const Vector3d change = body.state().velocity - velocity;
+    const Vector3d turned = body.state().angular_velocity - spin;
+    EXPECT_LT((excess * change + impulse.force - share * film).norm(), 1e-11);
+    EXPECT_LT((inertia * turned + impulse.torque - share * turn).norm(), 1e-10);
+    // Force of the fluid on the solid: its mass times its acceleration, there being no weight.
+    EXPECT_LT((ratio * ball(a).volume * change - body.hydrodynamic_force()).norm(), 1e-10);
+    EXPECT_LT((ratio * ball(a).inertia(0, 0) * turned - body.hydrodynamic_torque()).norm(), 1e-9);
+    velocity = body.state().velocity;
+    spin = body.state().angular_velocity;
+    EXPECT_GE(velocity.norm(), 1e-5 * share);
+  }
+  EXPECT_THROW(body.add_film_force({0, 0, NAN}, turn), std::invalid_argument);
+  EXPECT_THROW(body.add_film_force(film, {INFINITY, 0, 0}), std::invalid_argument);
+}
+
 struct Remembering {
   double memory;
   int corrections;
