@@ -6,8 +6,8 @@
 
 Draws a figure a case into convergence/ beside this file, and prints the tables of
 doc/convergence.md: each number by the paper's coupling (markers on the surface, a lattice at rest),
-by the default ("corrected") and, of rigid spheres, with slip, Richardson's limit of the two finest lattices, and the
-order that the last three of each show, where they go one way.
+by the default ("corrected"), Richardson's limit of the two finest lattices, and the order that the
+last three of each show, where they go one way.
 """
 import csv
 import pathlib
@@ -58,6 +58,11 @@ def last_distance(run):
     return run["dz[W]"][-1] if run["t[W^2/nu]"][-1] > 39.9 else None
 
 
+def parted(run):
+    """dz at t = 12, after the two have touched."""
+    return run["dz[W]"][-1] if run["t[W^2/nu]"][-1] > 11.9 else None
+
+
 # Name of the figure, campaign, case (with @ for the nodes), quantity, what it is.
 CASES = [
     ("La10", "soft", "nodes_@", early, "La = 10: x at t = 5 [W]"),
@@ -66,7 +71,8 @@ CASES = [
     ("rigid", "rigid", "nodes_@", settled, "rigid: x at rest [W]"),
     ("M2-near", "M2", "near_nodes_@", farthest, "M2, x_lag = 0: largest dz by t = 20 [W]"),
     ("M2-far", "M2", "far_nodes_@", turn, "M2, x_lag = 0.4: largest dz [W]"),
-    ("M3", "M3", "lag-x_-0.2_nodes_@", last_distance, "M3, x_lag = -0.2: dz at t = 40 [W]"),
+    ("M3", "M3", "apart_nodes_@", last_distance, "M3, x_lag = -0.2: dz at t = 40 [W]"),
+    ("M3-touch", "M3", "touch_nodes_@", parted, "M3, x_lag = 0: dz at t = 12 [W]"),
 ]
 NODES = (20, 24, 30, 36, 48, 60)
 STATIC = {"array": "cubic array of spheres: K",
@@ -96,7 +102,7 @@ def richardson(n, values, order=2):
 def draw(name, label, series, limit, axis):
     figure, axes = plt.subplots(figsize=(4.6, 3.2), layout="constrained")
     for method, (n, values) in series.items():
-        style = {"plain": "o--", "corrected": "s-", "slip": "^:"}[method.split(",")[0]]
+        style = {"plain": "o--", "corrected": "s-"}[method.split(",")[0]]
         axes.plot(1 / np.array(n) ** 2, values, style, fillstyle="none",
                   label=method.replace("corrected", "default"))
     if limit is not None:
@@ -121,7 +127,7 @@ def main():
     print("|---|---|" + "---|" * (len(NODES) + 2))
     for name, campaign, case, quantity, label in CASES:
         series = {}
-        for method, suffix in (("plain", "-plain"), ("corrected", ""), ("slip", "-slip")):
+        for method, suffix in (("plain", "-plain"), ("corrected", "")):
             found = {}
             for n in NODES:
                 path = runs / (campaign + suffix) / "cases" / case.replace("@", str(n))

@@ -57,7 +57,8 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const fluid::Options& fl
   } else {
     plan.kind = suspension::RigidPlan{body.density_ratio,  body.rigid.iterations,
                                       body.rigid.memory,   body.rigid.retraction.value(),
-                                      body.rigid.interior, body.rigid.slip.value()};
+                                      body.rigid.interior, body.rigid.slip.value(),
+                                      body.rigid.roughness};
   }
   return plan;
 }

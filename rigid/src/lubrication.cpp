@@ -22,6 +22,10 @@ constexpr double largest_response = 1.5;
 constexpr double recovery = 0.1;
 constexpr int most_sweeps = 200;
 
+double height(const Lubrication::Sphere& sphere) {
+  return sphere.roughness * sphere.radius;
+}
+
 template <class... Parts>
 [[noreturn]] void reject(const Parts&... parts) {
   std::ostringstream message;
@@ -70,6 +74,8 @@ Lubrication::Lubrication(std::vector<Sphere> spheres, double viscosity,
   for (const Sphere& sphere : spheres_) {
     if (!(sphere.radius > 0) || !std::isfinite(sphere.radius))
       reject("radius = ", sphere.radius, ": it must be positive");
+    if (!(sphere.roughness > 0) || !std::isfinite(sphere.roughness))
+      reject("roughness = ", sphere.roughness, ": it must be positive");
     if (!(sphere.mobility >= 0) || !std::isfinite(sphere.mobility))
       reject("mobility = ", sphere.mobility, ": it must be finite and not negative");
   }
@@ -104,7 +110,7 @@ void Lubrication::find_films(std::span<const SphereMotion> motions) {
           const double distance = line.norm();
           const double gap = distance - radii;
           if (!(gap < film_reach) || distance == 0) continue;
-          const double least = film_roughness * radii / 2;
+          const double least = (height(spheres_[a]) + height(spheres_[b])) / 2;
           films_.push_back({a, b, line / distance, gap - least,
                             film_resistance(spheres_[a].radius, spheres_[b].radius,
                                             std::max(gap, least), viscosity_),

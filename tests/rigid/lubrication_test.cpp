@@ -139,8 +139,8 @@ TEST(Film, GetsThinnerAsTheoryHasItAndIsNeverCrossed) {
       before = now;
     }
     EXPECT_GT(compared, 20);
-    EXPECT_NEAR(gap_now(), film_roughness * a, 1e-4) << real;
-    EXPECT_GT(least, 0.98 * film_roughness * a) << real;
+    EXPECT_NEAR(gap_now(), smooth * a, 1e-4) << real;
+    EXPECT_GT(least, 0.98 * smooth * a) << real;
     // Let go, they part as slowly as the film fills again.
     for (Vector3d& push : bodies.push) push *= -1;
     for (int n = 0; n < 20000; ++n) bodies.step(films);
@@ -161,7 +161,7 @@ TEST(Film, KeepsManySpheresApart) {
   for (int n = 0; n < 20000; ++n) train.step(films);
   for (int n = 1; n < 5; ++n) {
     const double left = train.motions[n].position.z() - train.motions[n - 1].position.z() - 2 * a;
-    EXPECT_NEAR(left, film_roughness * a, 1e-4);
+    EXPECT_NEAR(left, smooth * a, 1e-4);
   }
 
   Lubrication ring({{a, m}, {a, m}}, eta, {0, 17});
@@ -170,21 +170,21 @@ TEST(Film, KeepsManySpheresApart) {
   pair.motions[1].position.z() = 17 + 1 - 2 * a - 0.5;
   for (int n = 0; n < 5000; ++n) pair.step(ring);
   const double across = pair.motions[0].position.z() + 17 - pair.motions[1].position.z() - 2 * a;
-  EXPECT_GT(across, 0.98 * film_roughness * a);
+  EXPECT_GT(across, 0.98 * smooth * a);
   EXPECT_LT(across, 0.5);
 }
 
 TEST(Film, SpheresThatStartTooNearArePushedApartSlowly) {
   const double a = 4;
   const double m = 0.003;
-  Lubrication films({{a, m}, {a, m}}, eta, nowhere);
+  Lubrication films({{a, m, 0.01}, {a, m, 0.02}}, eta, nowhere);
   Bodies pair{{at({0, 0, 0}), at({0, 0, 2 * a - 0.5})}, {2, Vector3d::Zero()}, 0.8 * m};
   for (int n = 0; n < 400; ++n) {
     pair.step(films);
     for (const SphereMotion& motion : pair.motions) EXPECT_LT(motion.velocity.norm(), 0.06);
   }
   const double left = pair.motions[1].position.z() - pair.motions[0].position.z() - 2 * a;
-  EXPECT_NEAR(left, film_roughness * a, 1e-3);
+  EXPECT_NEAR(left, 0.015 * a, 1e-3);
 }
 
 TEST(Film, GoesOnFromASavedStateToTheLastBit) {
@@ -217,6 +217,7 @@ TEST(Film, GoesOnFromASavedStateToTheLastBit) {
 TEST(Film, RefusesWhatIsOutOfBounds) {
   EXPECT_THROW(Lubrication({{0, 1}}, eta, nowhere), std::invalid_argument);
   EXPECT_THROW(Lubrication({{1, -1}}, eta, nowhere), std::invalid_argument);
+  EXPECT_THROW(Lubrication({{1, 1, 0}}, eta, nowhere), std::invalid_argument);
   EXPECT_THROW(Lubrication({{1, 1}}, 0, nowhere), std::invalid_argument);
   EXPECT_THROW(Lubrication({{1, 1}}, eta, {0, -5}), std::invalid_argument);
   Lubrication films({{4, 0.1}, {4, 0.1}}, eta, nowhere);

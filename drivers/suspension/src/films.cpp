@@ -21,9 +21,10 @@ std::unique_ptr<Films> Films::make(const Plan& plan) {
     const BodyPlan& body = plan.bodies[b];
     if (!has_films(body)) continue;
     bodies.push_back(b);
-    spheres.push_back({body.shape->radius(), rigid::film_mobility(markers_of(body, viscosity),
-                                                                  rigid::solid_of(*body.shape),
-                                                                  body.rigid()->density_ratio)});
+    const RigidPlan& kind = *body.rigid();
+    const double mobility = rigid::film_mobility(markers_of(body, viscosity),
+                                                 rigid::solid_of(*body.shape), kind.density_ratio);
+    spheres.push_back({body.shape->radius(), mobility, kind.roughness});
   }
   if (bodies.size() < 2) return nullptr;
   const auto period = [&](std::size_t axis) {

@@ -35,8 +35,8 @@
 //     V* = 2 V^n - V^(n-1) - m F^n,                                                             (3)
 //
 // m being its velocity in one time step per force. The forces F of all films together are those
-// that (1) gives for V = V* + m F, found by Gauss and Seidel's iteration. Spheres touch at a gap of
-// a thousandth of their mean radius, as rough ones do, and push each other back to it.
+// that (1) gives for V = V* + m F, found by Gauss and Seidel's iteration. Spheres touch where the
+// gap is the mean of the heights of their roughness, and push each other back to there.
 #pragma once
 
 #include <Eigen/Core>
@@ -54,8 +54,9 @@ double film_resistance(double a, double b, double gap, double viscosity);
 /// c and d, in lattice spacings.
 constexpr double film_reach = 2.5;
 constexpr double shear_reach = 1.1;
-/// The gap at which two spheres touch, over their mean radius.
-constexpr double film_roughness = 1e-3;
+/// Height of a sphere's roughness over its radius: the lower end of what Smart & Leighton 1989,
+/// Phys. Fluids A 1, 52, found of small spheres.
+constexpr double smooth = 1e-3;
 
 /// m of (3): of a sphere among its markers, which move a layer of fluid with them within a step,
 /// and half as much again, as the response differs from step to step; too much makes forces follow
@@ -79,12 +80,13 @@ class Lubrication {
  public:
   struct Sphere {
     double radius = 0;
-    double mobility = 0;  ///< film_mobility(); 0 of a prescribed motion
+    double mobility = 0;        ///< film_mobility(); 0 of a prescribed motion
+    double roughness = smooth;  ///< its height over the radius
   };
 
   /// Spheres in a fluid that repeats itself along y and z with those periods; 0: it does not. Each
   /// two have one film at most with every image of each other, and none with their own. Throws
-  /// std::invalid_argument for radii, mobilities, a viscosity or periods out of bounds.
+  /// std::invalid_argument for radii, mobilities, roughness, a viscosity or periods out of bounds.
   Lubrication(std::vector<Sphere> spheres, double viscosity, std::array<double, 2> periods);
 
   /// What the films do to the spheres in the step to come: for Body::add_film_force(). The forces

@@ -16,6 +16,7 @@
 #include "ductile/fluid/fluid.hpp"
 #include "ductile/membrane/integrator.hpp"
 #include "ductile/membrane/shell.hpp"
+#include "ductile/rigid/lubrication.hpp"
 #include "ductile/surface/mesh.hpp"
 #include "ductile/surface/shape.hpp"
 #include "ductile/suspension/units.hpp"
@@ -44,7 +45,8 @@ struct RigidPlan {
   double memory = 0;      ///< see rigid::Options
   double retraction = 0;  ///< how far inside of the surface the markers lie
   Interior interior = Interior::fluid;
-  double slip = 0;  ///< along the surface: rigid::Surface::missed, in dx/eta
+  double slip = 0;                   ///< along the surface: rigid::Surface::missed, in dx/eta
+  double roughness = rigid::smooth;  ///< in radii, of spheres that touch, see has_films()
 };
 
 struct BodyPlan {
@@ -135,8 +137,8 @@ double half_width(int nodes, fluid::Boundary walls);
 /// plates (no side walls). `half_width_y` in W.
 double poiseuille_coefficient(double half_width_y, bool side_walls);
 
-/// Whether the body takes part in films: a rigid sphere with slip. What the lattice does not resolve
-/// of the flow between two such comes from lubrication theory (rigid::Lubrication).
+/// Whether the body takes part in films: a rigid sphere with slip. What the lattice does not
+/// resolve of the flow between two such comes from lubrication theory (rigid::Lubrication).
 bool has_films(const BodyPlan& body);
 
 /// The flow of a plan at t = 0, which is the same all along z.
