@@ -42,6 +42,11 @@ std::string across_name(const Plan& plan, const Gap& gap) {
   return gap.to == Gap::To::image ? "its own periodic image" : body_name(plan, gap.other);
 }
 
+bool has_film(const Plan& plan, const Gap& gap) {
+  return gap.to == Gap::To::body && suspension::has_films(plan.bodies[gap.body]) &&
+         suspension::has_films(plan.bodies[gap.other]);
+}
+
 std::string description(const Plan& plan, const Contact& contact) {
   const Gap& gap = contact.smallest;
   const std::string who = body_name(plan, gap.body);
@@ -59,15 +64,14 @@ std::string description(const Plan& plan, const Contact& contact) {
         "{:.4g}",
         who, other, -plan.units.length(gap.distance), -gap.distance, contact.time, contact.since);
   }
-  const bool film = gap.to == Gap::To::body && suspension::has_films(plan.bodies[gap.body]) &&
-                    suspension::has_films(plan.bodies[gap.other]);
   return fmt::format(
       "{} came as near as {:.3g} W ({:.2f} lattice spacings) to {} at t = {:.4g}, "
       "under the {} that the kernel reaches since t = {:.4g}: {}",
       who, plan.units.length(gap.distance), gap.distance, other, contact.time,
       suspension::kernel_reach, contact.since,
-      film ? "what the lattice does not resolve of the film between them comes from theory"
-           : "the flow between them is not resolved");
+      has_film(plan, gap)
+          ? "what the lattice does not resolve of the film between them comes from theory"
+          : "the flow between them is not resolved");
 }
 
 }  // namespace ductile::drivers

@@ -43,6 +43,10 @@ std::string body_name(const suspension::Plan& plan, std::size_t body);
 std::string wall_name(const suspension::Plan& plan, const suspension::Gap& gap);
 std::string across_name(const suspension::Plan& plan, const suspension::Gap& gap);
 
+/// Whether the two feel the film between them (suspension::has_films()): what the lattice does not
+/// resolve there is then no lack.
+bool has_film(const suspension::Plan& plan, const suspension::Gap& gap);
+
 /// The contact in a sentence, in the paper's units.
 std::string description(const suspension::Plan& plan, const Contact& contact);
 

@@ -76,8 +76,7 @@ void warn_of_flow(const Plan& plan, std::vector<std::string>& list) {
   }
   for (const Gap& gap : gaps(plan)) {
     if (gap.to == Gap::To::body && gap.distance < resolved_gap - round_off &&
-        !(suspension::has_films(plan.bodies[gap.body]) &&
-          suspension::has_films(plan.bodies[gap.other]))) {
+        !has_film(plan, gap)) {
       list.push_back(fmt::format(
           "the gap between {} and {} is {:.1f} lattice spacings, under the {} that resolve the "
           "flow in it; channel.nodes = {} would do",

@@ -73,7 +73,8 @@ std::string likely_cause(const BlowUp& blow_up, const Case& given, const Contact
                          plan.bodies[contact.smallest.body].name == blow_up.body ||
                          (contact.smallest.to == suspension::Gap::To::body &&
                           plan.bodies[contact.smallest.other].name == blow_up.body);
-    if (its_own && time - contact.time <= recent) return description(plan, contact);
+    if (its_own && time - contact.time <= recent && !has_film(plan, contact.smallest))
+      return description(plan, contact);
   }
   for (const std::string& warning : warnings) {
     const bool of_body = !blow_up.body.empty() &&

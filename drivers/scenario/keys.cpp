@@ -362,7 +362,7 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
           "with "
           "slip feel the film between them, where it is too thin for the lattice, by lubrication "
           "theory. 0: the paper's method"),
-      number("roughness", &R::roughness, between(1e-6, 0.1), "radii",
+      number("roughness", &R::roughness, between(1e-4, 0.1), "radii",
              "Height of a sphere's roughness: two spheres with slip touch where the gap between "
              "them is the mean of theirs"),
       choice<R, suspension::Interior>(
@@ -428,7 +428,7 @@ const std::vector<Key<RunLimits>>& run_keys() {
              "10, or in a shorter channel its length less 2, or half its length if that is more"),
       flag("until_decided", &R::until_decided, "Stop as soon as the verdict of a pair is certain"),
       flag("stop_at_contact", &R::stop_at_contact,
-           "Stop when the markers of two bodies meet, which no force of the method prevents; "
+           "Stop when the markers of two bodies meet, which nothing but the fluid prevents; "
            "false: say so and go on"),
       number(
           "checkpoint_every", &R::checkpoint_every, between(0, 1e4), "minutes",

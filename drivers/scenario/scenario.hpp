@@ -76,7 +76,7 @@ struct RigidOptions {
   double memory = 0;
   std::optional<double> retraction;  ///< as a membrane's
   std::optional<double> slip;        ///< alike
-  double roughness = 1e-3;
+  double roughness = rigid::usual_roughness;
   suspension::Interior interior = suspension::Interior::fluid;
   double edge = 1.2;
   int frequency = 0;

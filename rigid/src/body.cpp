@@ -429,14 +429,16 @@ void Body::load(const StateReader& read) {
   Body loaded(*this);
   transfer_parts(loaded, read);
   check_state(loaded.state_, marker_count());
+  loaded.film_force_.setZero();
+  loaded.film_torque_.setZero();
   loaded.place_markers();
   *this = std::move(loaded);
 }
 
-void Body::add_film_force(const Vector3d& force, const Vector3d& torque) {
+void Body::set_film_force(const Vector3d& force, const Vector3d& torque) {
   if (!force.allFinite() || !torque.allFinite()) reject("the force of a film must be finite");
-  film_force_ += force;
-  film_torque_ += torque;
+  film_force_ = force;
+  film_torque_ = torque;
 }
 
 void Body::prescribe(const Vector3d& velocity, const Vector3d& angular_velocity) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -20,7 +21,9 @@ constexpr double layer = 2.6;
 constexpr double largest_response = 1.5;
 // Of an overlap, what a step takes back: more would throw spheres apart that start too near.
 constexpr double recovery = 0.1;
-constexpr int most_sweeps = 200;
+// Long trains in contact take about as many as the square of their number.
+constexpr int most_sweeps = 1000;
+constexpr double converged = 1e-9;
 
 double height(const Lubrication::Sphere& sphere) {
   return sphere.roughness * sphere.radius;
@@ -33,10 +36,6 @@ template <class... Parts>
   (message << ... << parts);
   throw std::invalid_argument(message.str());
 }
-
-}  // namespace
-
-namespace {
 
 // L of (1).
 double weak(double gap) {
@@ -69,7 +68,9 @@ Lubrication::Lubrication(std::vector<Sphere> spheres, double viscosity,
       viscosity_(viscosity),
       periods_(periods),
       before_(spheres_.size(), Vector3d::Zero()),
-      squeezing_(spheres_.size(), Vector3d::Zero()),
+      squeezed_(before_),
+      velocity_(before_),
+      squeezing_(before_),
       forces_(spheres_.size()) {
   for (const Sphere& sphere : spheres_) {
     if (!(sphere.radius > 0) || !std::isfinite(sphere.radius))
@@ -87,36 +88,50 @@ Lubrication::Lubrication(std::vector<Sphere> spheres, double viscosity,
   }
 }
 
+// Films between two spheres whose centres are `apart`, from b to a, and across y's periodic end.
+void Lubrication::add_films(std::size_t a, std::size_t b, const Vector3d& apart) {
+  const double radii = spheres_[a].radius + spheres_[b].radius;
+  const double reach = radii + film_reach;
+  const double period = periods_[0];
+  const int first = period == 0 ? 0 : static_cast<int>(std::ceil((apart.y() - reach) / period));
+  const int last = period == 0 ? 0 : static_cast<int>(std::floor((apart.y() + reach) / period));
+  for (int image = first; image <= last; ++image) {
+    const Vector3d line = apart - Vector3d(0, image * period, 0);
+    const double distance = line.norm();
+    if (!(distance < reach) || distance == 0) continue;
+    const double least = (height(spheres_[a]) + height(spheres_[b])) / 2;
+    const double gap = std::max(distance - radii, least);
+    films_.push_back({a, b, line / distance, distance - radii - least,
+                      film_resistance(spheres_[a].radius, spheres_[b].radius, gap, viscosity_),
+                      weak(gap)});
+  }
+}
+
+// Looks along z, where a sphere has only those within reach after it; z comes round again.
 void Lubrication::find_films(std::span<const SphereMotion> motions) {
   films_.clear();
-  for (std::size_t a = 0; a < spheres_.size(); ++a) {
-    for (std::size_t b = a + 1; b < spheres_.size(); ++b) {
-      const Vector3d apart = motions[a].position - motions[b].position;
-      const double radii = spheres_[a].radius + spheres_[b].radius;
-      // Images of b that may be near a, by y and by z.
-      std::array<std::vector<double>, 2> shifts{std::vector<double>{0}, {0}};
-      for (std::size_t k = 0; k < 2; ++k) {
-        const double period = periods_[k];
-        if (period == 0) continue;
-        const double distance = apart[static_cast<int>(k) + 1];
-        shifts[k].clear();
-        const auto last = std::floor((distance + radii + film_reach) / period);
-        for (double n = std::ceil((distance - radii - film_reach) / period); n <= last; ++n)
-          shifts[k].push_back(n * period);
-      }
-      for (const double y : shifts[0]) {
-        for (const double z : shifts[1]) {
-          const Vector3d line = apart - Vector3d(0, y, z);
-          const double distance = line.norm();
-          const double gap = distance - radii;
-          if (!(gap < film_reach) || distance == 0) continue;
-          const double least = (height(spheres_[a]) + height(spheres_[b])) / 2;
-          films_.push_back({a, b, line / distance, gap - least,
-                            film_resistance(spheres_[a].radius, spheres_[b].radius,
-                                            std::max(gap, least), viscosity_),
-                            weak(std::max(gap, least))});
-        }
-      }
+  const std::size_t n = spheres_.size();
+  const double period = periods_[1];
+  double largest = 0;
+  std::vector<double> place;
+  place.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    largest = std::max(largest, spheres_[i].radius);
+    const double z = motions[i].position.z();
+    place.push_back(period == 0 ? z : z - period * std::floor(z / period));
+  }
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&place](std::size_t i) { return place[i]; });
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t b = order[k];
+    for (std::size_t next = k + 1; next < (period == 0 ? n : k + n); ++next) {
+      const std::size_t a = order[next % n];
+      const double ahead = place[a] + (next < n ? 0 : period) - place[b];
+      if (ahead > 2 * largest + film_reach) break;
+      Vector3d apart = motions[a].position - motions[b].position;
+      apart.z() = ahead;
+      add_films(a, b, apart);
     }
   }
 }
@@ -138,10 +153,9 @@ void Lubrication::squeeze(std::span<const SphereMotion> motions) {
   for (std::size_t i = 0; i < n; ++i) {
     free_[i] = motions[i].velocity;
     if (started_ != 0 && spheres_[i].mobility > 0)
-      free_[i] += motions[i].velocity - before_[i] - spheres_[i].mobility * squeezing_[i];
-    before_[i] = motions[i].velocity;
+      free_[i] += motions[i].velocity - before_[i] - spheres_[i].mobility * squeezed_[i];
+    velocity_[i] = motions[i].velocity;
   }
-  started_ = 1;
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     double change = 0;
     double largest = 0;
@@ -157,7 +171,7 @@ void Lubrication::squeeze(std::span<const SphereMotion> motions) {
       largest = std::max(largest, std::abs(force));
       film.force = force;
     }
-    if (change <= 1e-12 * largest) break;
+    if (change <= converged * largest) break;
   }
   std::ranges::fill(squeezing_, Vector3d::Zero());
   for (const Film& film : films_) {
@@ -202,6 +216,12 @@ std::span<const FilmForce> Lubrication::forces(std::span<const SphereMotion> mot
   return forces_;
 }
 
+void Lubrication::accept() {
+  std::swap(before_, velocity_);
+  std::swap(squeezed_, squeezing_);
+  started_ = 1;
+}
+
 template <class Self, class Io>
 void Lubrication::transfer_parts(Self& self, const Io& io) {
   const auto transfer = [&](std::string_view name, auto& vectors) {
@@ -209,7 +229,7 @@ void Lubrication::transfer_parts(Self& self, const Io& io) {
   };
   io("started", {&self.started_, 1});
   transfer("velocities", self.before_);
-  transfer("forces", self.squeezing_);
+  transfer("forces", self.squeezed_);
 }
 
 void Lubrication::save(const StateWriter& write) const {
@@ -219,6 +239,10 @@ void Lubrication::save(const StateWriter& write) const {
 void Lubrication::load(const StateReader& read) {
   Lubrication loaded(*this);
   transfer_parts(loaded, read);
+  const auto finite = [](const Vector3d& v) { return v.allFinite(); };
+  if (!std::isfinite(loaded.started_) || !std::ranges::all_of(loaded.before_, finite) ||
+      !std::ranges::all_of(loaded.squeezed_, finite))
+    reject("velocities and forces of the step before must be finite");
   *this = std::move(loaded);
 }
 

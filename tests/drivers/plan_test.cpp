@@ -177,6 +177,26 @@ TEST(Plan, TimesAreInStepsOfTheViscousTime) {
   EXPECT_DOUBLE_EQ(s.units.time(972), 0.5);
 }
 
+// Slip and films are of spheres whose place nobody has said, as dense as the fluid or denser.
+TEST(Plan, RigidSpheresSlipUnlessTheyAreGivenTheirPlace) {
+  const auto of = [](const std::vector<Override>& overrides) {
+    constexpr const char* text =
+        "[[body]]\nname = \"particle\"\nkind = \"rigid\"\nradius = 0.4\nx = 0.2\n";
+    return *parse_case(text, "case.toml", overrides).plan.bodies.at(0).rigid();
+  };
+  const suspension::RigidPlan usual = of({});
+  EXPECT_GT(usual.slip, 0.01);
+  EXPECT_EQ(usual.roughness, rigid::usual_roughness);
+  EXPECT_EQ(of({set("rigid.roughness", "0.01")}).roughness, 0.01);
+  EXPECT_EQ(of({set("rigid.slip", "\"felt\"")}).slip, usual.slip);
+  EXPECT_EQ(of({set("rigid.slip", "0.0")}).slip, 0);
+  EXPECT_GT(of({set("rigid.slip", "0.0")}).retraction, usual.retraction);
+  EXPECT_EQ(of({set("rigid.retraction", "0.0")}).slip, 0);
+  EXPECT_EQ(of({set("rigid.interior", "\"solid\"")}).slip, 0);
+  EXPECT_EQ(of({set("body.particle.density_ratio", "0.9")}).slip, 0);
+  EXPECT_EQ(of({set("body.particle.density_ratio", "2.0")}).slip, usual.slip);
+}
+
 // Unless they are given their place, surfaces are felt where they are, with moduli to match.
 TEST(Plan, CapsulesLieInsideOfTheirSurface) {
   const Plan s = plan({});

@@ -50,10 +50,10 @@ Plan everything(fluid::Precision precision) {
   add(body(plan, "damped", "sphere", {0.35, 0.1, -1.0}), damped);
   add(body(plan, "own", "sphere", {0, -0.3, -1.8}),
       capsule(plan, membrane::scheme<membrane::Heun>("heun"), 10));
-  // Two with a film between them.
+  // Two with a film between them, across the end.
   const RigidPlan slipping{1, 2, 0.9, 0.7, Interior::fluid, 0.03};
-  add(body(plan, "left", "sphere", {-0.3, 0.1, 2.6}), slipping);
-  add(body(plan, "right", "sphere", {0.31, 0.1, 2.65}), slipping);
+  add(body(plan, "left", "sphere", {-0.3, 0.1, 2.85}), slipping);
+  add(body(plan, "right", "sphere", {0.31, 0.1, -2.9}), slipping);
   plan.ride(0.8 * plan.u_max);
   plan.follow = true;
   return plan;

@@ -2,16 +2,9 @@
 
 #include <utility>
 
-#include "ductile/surface/sphere.hpp"
 #include "ductile/suspension/body.hpp"
 
 namespace ductile::suspension {
-
-bool has_films(const BodyPlan& body) {
-  const RigidPlan* kind = body.rigid();
-  return kind != nullptr && kind->slip > 0 &&
-         dynamic_cast<const surface::Sphere*>(body.shape.get()) != nullptr;
-}
 
 std::unique_ptr<Films> Films::make(const Plan& plan) {
   std::vector<std::size_t> bodies;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "ductile/fluid/duct.hpp"
+#include "ductile/surface/sphere.hpp"
 
 namespace ductile::suspension {
 
@@ -70,6 +71,11 @@ void Plan::check() const {
     if (body.name.empty() || !names.insert(body.name).second)
       refuse("body name '" + body.name + "' is empty or taken: give each body its own");
     if (!body.shape) refuse("body " + body.name + " has no shape");
+    if (fluid.mirror != fluid::Mirror::none && has_films(body) &&
+        std::abs(body.centre.y() - units.origin().y()) > 1e-9)
+      refuse("body " + body.name +
+             ", a sphere with slip, is not on the mirror plane, and has no film with its image: "
+             "take away the slip, or the mirror");
   }
 }
 
@@ -120,6 +126,12 @@ fluid::NodeState InitialFlow::at(double x, double y) const {
     state.gradient(1, 2) = gradient.y();
   }
   return state;
+}
+
+bool has_films(const BodyPlan& body) {
+  const RigidPlan* kind = body.rigid();
+  return kind != nullptr && kind->slip > 0 && kind->density_ratio >= 1 &&
+         dynamic_cast<const surface::Sphere*>(body.shape.get()) != nullptr;
 }
 
 std::vector<int> owners(const Plan& plan, int ranks) {

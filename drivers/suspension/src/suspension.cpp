@@ -76,6 +76,7 @@ void Suspension::make_bodies() {
 void Suspension::step() {
   if (films_) lubricate();
   coupler_->step();
+  if (films_) films_->lubrication().accept();
   if (plan_.follow && !plan_.bodies.empty() && steps() % steering_steps == 0) steer();
 }
 
@@ -109,7 +110,7 @@ void Suspension::lubricate() {
   }
   const std::span<const rigid::FilmForce> films = films_->lubrication().forces(motions);
   for_own([&](std::size_t n, rigid::Body& body) {
-    body.add_film_force(films[n].force, films[n].torque);
+    body.set_film_force(films[n].force, films[n].torque);
   });
 }
 

@@ -26,15 +26,17 @@
 //
 // U and omega are not known beforehand. Inside each answer (1) they are those for which
 //
-//     (M - M_f) [U - U_prev - g] = - sum_m F_m                                                 (2)
-//     L - L_prev                 = - sum_m r_m x F_m,     L = (I - I_f) omega                  (3)
+//     (M - M_f) [U - U_prev - g] = - sum_m F_m + F_film                                        (2)
+//     L - L_prev                 = - sum_m r_m x F_m + T_film,     L = (I - I_f) omega         (3)
 //
-// hold at that very moment, dF included: a 6 x 6 linear system. These are the paper's (12)-(14)
-// with Feng's force M_f (U - U_prev) for the fluid inside, but with that force and the velocities
-// at one time level, so that nothing is ever divided by M - M_f: at equal densities (2) and (3) say
-// that force and torque vanish, and U and omega are the means of the fluid's motion over the
-// surface. L changes with the orientation, which is the gyroscopic term. A uniform driving force of
-// the fluid acts on the fluid inside too, and is not added again.
+// hold at that very moment, dF included: a 6 x 6 linear system. F_film and T_film are those of
+// films to other bodies, if there are any (lubrication.hpp); the markers hand them on to the fluid.
+// These are the paper's (12)-(14) with Feng's force M_f (U - U_prev) for the fluid inside, but with
+// that force and the velocities at one time level, so that nothing is ever divided by M - M_f: at
+// equal densities (2) and (3) say that force and torque vanish but for films, and U and omega are
+// the means of the fluid's motion over the surface. L changes with the orientation, which is the
+// gyroscopic term. A uniform driving force of the fluid acts on the fluid inside too, and is not
+// added again.
 //
 // M_f and I_f take the fluid inside to move with the body. In a translation it does, by its
 // pressure; a change of spin it learns by viscosity, in about a^2/(20 nu). Inner shells of markers
@@ -208,11 +210,10 @@ class Body {
   /// spacing or to no finite place; the state is then that before the step.
   void advance(std::span<const double> velocity);
 
-  /// Adds to the force and torque that the surrounding fluid exerts on the body in the next step,
-  /// about its centre of mass, what does not come by way of the markers: that of a film too thin
-  /// for the lattice (lubrication.hpp). Until advance(); then there is none. Throws
-  /// std::invalid_argument if it is not finite.
-  void add_film_force(const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
+  /// What the fluid exerts on the body in the next step, force and torque about its centre of mass,
+  /// other than by the markers: that of films too thin for the lattice (lubrication.hpp). Until
+  /// advance() or load(); then there is none. Throws std::invalid_argument if it is not finite.
+  void set_film_force(const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
 
   /// Sets the motion of a prescribed body from the next step on. Throws std::logic_error if free.
   void prescribe(const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity);
@@ -226,7 +227,7 @@ class Body {
   /// std::invalid_argument for a state out of bounds; the body is then as it was.
   void load(const StateReader& read);
   /// Force of the surrounding fluid on the solid in the last step, without buoyancy: minus the
-  /// markers' force, plus Feng's M_f (U - U_prev).
+  /// markers' force, plus Feng's M_f (U - U_prev) and the films'.
   [[nodiscard]] const Eigen::Vector3d& hydrodynamic_force() const { return hydrodynamic_force_; }
   /// Torque about the centre of mass, alike.
   [[nodiscard]] const Eigen::Vector3d& hydrodynamic_torque() const { return hydrodynamic_torque_; }

@@ -56,7 +56,7 @@ constexpr double film_reach = 2.5;
 constexpr double shear_reach = 1.1;
 /// Height of a sphere's roughness over its radius: the lower end of what Smart & Leighton 1989,
 /// Phys. Fluids A 1, 52, found of small spheres.
-constexpr double smooth = 1e-3;
+constexpr double usual_roughness = 1e-3;
 
 /// m of (3): of a sphere among its markers, which move a layer of fluid with them within a step,
 /// and half as much again, as the response differs from step to step; too much makes forces follow
@@ -80,24 +80,29 @@ class Lubrication {
  public:
   struct Sphere {
     double radius = 0;
-    double mobility = 0;        ///< film_mobility(); 0 of a prescribed motion
-    double roughness = smooth;  ///< its height over the radius
+    double mobility = 0;                 ///< film_mobility(); 0 of a prescribed motion
+    double roughness = usual_roughness;  ///< its height over the radius
   };
 
-  /// Spheres in a fluid that repeats itself along y and z with those periods; 0: it does not. Each
-  /// two have one film at most with every image of each other, and none with their own. Throws
+  /// Spheres in a fluid that repeats itself along y and z with those periods, that along z longer
+  /// than two radii; 0: it does not. Each two have one film at most with every image of each other,
+  /// and none with their own. Throws
   /// std::invalid_argument for radii, mobilities, roughness, a viscosity or periods out of bounds.
   Lubrication(std::vector<Sphere> spheres, double viscosity, std::array<double, 2> periods);
 
-  /// What the films do to the spheres in the step to come: for Body::add_film_force(). The forces
+  /// What the films do to the spheres in the step to come: for Body::set_film_force(). The forces
   /// add up to zero. Valid until the next call. Throws std::invalid_argument for another number of
   /// motions than spheres.
   std::span<const FilmForce> forces(std::span<const SphereMotion> motions);
+  /// The step is taken for which forces() was called. One that failed has no such call, and leaves
+  /// no trace.
+  void accept();
 
   /// Writes velocities and forces of the step before, all that it remembers.
   void save(const StateWriter& write) const;
   /// Takes over what save() of one with the same arguments wrote, and goes on to the last bit as
-  /// that one would have. Passes on what `read` throws, and is then as it was.
+  /// that one would have. Passes on what `read` throws, and throws std::invalid_argument for
+  /// numbers that are not finite; it is then as it was.
   void load(const StateReader& read);
 
  private:
@@ -114,6 +119,7 @@ class Lubrication {
   static void transfer_parts(Self& self, const Io& io);
 
   void find_films(std::span<const SphereMotion> motions);
+  void add_films(std::size_t a, std::size_t b, const Eigen::Vector3d& apart);
   void squeeze(std::span<const SphereMotion> motions);
   void shear(std::span<const SphereMotion> motions);
   [[nodiscard]] double force_of(const Film& film, double approach) const;
@@ -123,9 +129,11 @@ class Lubrication {
   std::array<double, 2> periods_;
   std::vector<Film> films_;
   std::vector<Eigen::Vector3d> free_;  // V* less what films have taken of it
-  // V^(n-1) and F^n, once there has been a step.
+  // V^(n-1) and F^n of (3), once there has been a step; and what accept() makes of them.
   double started_ = 0;
   std::vector<Eigen::Vector3d> before_;
+  std::vector<Eigen::Vector3d> squeezed_;
+  std::vector<Eigen::Vector3d> velocity_;
   std::vector<Eigen::Vector3d> squeezing_;
   std::vector<FilmForce> forces_;
 };

@@ -45,8 +45,8 @@ struct RigidPlan {
   double memory = 0;      ///< see rigid::Options
   double retraction = 0;  ///< how far inside of the surface the markers lie
   Interior interior = Interior::fluid;
-  double slip = 0;                   ///< along the surface: rigid::Surface::missed, in dx/eta
-  double roughness = rigid::smooth;  ///< in radii, of spheres that touch, see has_films()
+  double slip = 0;  ///< along the surface: rigid::Surface::missed, in dx/eta
+  double roughness = rigid::usual_roughness;  ///< in radii, of spheres that touch, see has_films()
 };
 
 struct BodyPlan {
@@ -137,8 +137,9 @@ double half_width(int nodes, fluid::Boundary walls);
 /// plates (no side walls). `half_width_y` in W.
 double poiseuille_coefficient(double half_width_y, bool side_walls);
 
-/// Whether the body takes part in films: a rigid sphere with slip. What the lattice does not
-/// resolve of the flow between two such comes from lubrication theory (rigid::Lubrication).
+/// Whether the body takes part in films: a rigid sphere with slip, not lighter than the fluid. What
+/// the lattice does not resolve of the flow between two such comes from lubrication theory
+/// (rigid::Lubrication).
 bool has_films(const BodyPlan& body);
 
 /// The flow of a plan at t = 0, which is the same all along z.
