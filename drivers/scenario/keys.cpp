@@ -358,10 +358,9 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
           "How far fluid and body slip along a body's surface at its markers, in dx/eta times the "
           "force per area: what the kernel misses of the fluid's answer. felt: with the retraction "
           "what makes the surface felt where it is, 0.1 at a = 8 dx; 0 of bodies that are solid, "
-          "no spheres, or lighter than the fluid, and with a retraction that is given. Spheres "
-          "with "
-          "slip feel the film between them, where it is too thin for the lattice, by lubrication "
-          "theory. 0: the paper's method"),
+          "no spheres, or lighter than the fluid, and with a retraction that is given. Of a film "
+          "between two spheres with slip that is too thin for the lattice lubrication theory says "
+          "what is missing. 0: the paper's method"),
       number("roughness", &R::roughness, between(1e-4, 0.1), "radii",
              "Height of a sphere's roughness: two spheres with slip touch where the gap between "
              "them is the mean of theirs"),

@@ -350,6 +350,14 @@ TEST(Suspension, RefusesAPlanThatContradictsItself) {
   plan = good;
   plan.bodies[2].shape.reset();
   EXPECT_NE(refusal(plan).find("body cell has no shape"), std::string::npos);
+  plan = channel({20, 10, 30});
+  plan.fluid.mirror = fluid::Mirror::between_nodes;
+  plan.units = Plan::channel_units(plan.fluid);
+  plan.drive(10);
+  plan.bodies = {body(plan, "aside", "sphere", {0, 0.4, 0})};
+  plan.bodies[0].kind = RigidPlan{1, 2, 0.9, 0.7, Interior::fluid, 0.03};
+  EXPECT_NE(refusal(plan).find("aside, a sphere with slip, is not on the mirror plane"),
+            std::string::npos);
 }
 
 TEST(Suspension, ARefusedBodyIsEveryRanksToHearOf) {

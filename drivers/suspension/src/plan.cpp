@@ -71,11 +71,12 @@ void Plan::check() const {
     if (body.name.empty() || !names.insert(body.name).second)
       refuse("body name '" + body.name + "' is empty or taken: give each body its own");
     if (!body.shape) refuse("body " + body.name + " has no shape");
-    if (fluid.mirror != fluid::Mirror::none && has_films(body) &&
-        std::abs(body.centre.y() - units.origin().y()) > 1e-9)
+    const bool off_plane = std::abs(body.centre.y() - units.origin().y()) > 1e-9;
+    if (fluid.mirror != fluid::Mirror::none && has_films(body) && off_plane) {
       refuse("body " + body.name +
              ", a sphere with slip, is not on the mirror plane, and has no film with its image: "
              "take away the slip, or the mirror");
+    }
   }
 }
 

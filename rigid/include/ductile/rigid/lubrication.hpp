@@ -15,7 +15,7 @@
 //     B = 1/h - 1/c - (2/c) ln(c/h) + (c - h)/c^2,  L = ln(d/h) - 1 + h/d.
 //
 // With c = 2.5 and d = 1.1 two spheres of a = 4.8 that approach meet the resistance of theory
-// within 3% from any distance down to h = 0.1 (tests/validation/films_test.cpp).
+// within 3.5% from any distance down to h = 0.1 (tests/validation/films_test.cpp).
 //
 // A film that is sheared resists too. By the tangential parts of U = U_a - U_b and of the angular
 // velocities, n pointing from b to a,
