@@ -86,8 +86,8 @@ class Lubrication {
 
   /// Spheres in a fluid that repeats itself along y and z with those periods, that along z longer
   /// than two radii; 0: it does not. Each two have one film at most with every image of each other,
-  /// and none with their own. Throws
-  /// std::invalid_argument for radii, mobilities, roughness, a viscosity or periods out of bounds.
+  /// and none with their own. Throws std::invalid_argument for radii, mobilities, roughness, a
+  /// viscosity or periods out of bounds.
   Lubrication(std::vector<Sphere> spheres, double viscosity, std::array<double, 2> periods);
 
   /// What the films do to the spheres in the step to come: for Body::set_film_force(). The forces
