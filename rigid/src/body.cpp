@@ -6,6 +6,8 @@
 #include <sstream>
 #include <utility>
 
+#include "reject.hpp"
+
 namespace ductile::rigid {
 
 namespace {
@@ -35,14 +37,6 @@ constexpr double shell_coarseness = 1.5;
 constexpr double largest_displacement = 0.5;
 // A sphere at 24 nodes across migrates 0.1% less with 0.95, 1% with 0.98, and 11% with 1.
 constexpr double largest_memory = 0.95;
-
-template <class... Parts>
-[[noreturn]] void reject(const Parts&... parts) {
-  std::ostringstream message;
-  message << "rigid: ";
-  (message << ... << parts);
-  throw std::invalid_argument(message.str());
-}
 
 Matrix3d cross_matrix(const Vector3d& r) {
   Matrix3d m;

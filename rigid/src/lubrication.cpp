@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
+
+#include "reject.hpp"
 
 namespace ductile::rigid {
 namespace {
@@ -29,14 +29,6 @@ double height(const Lubrication::Sphere& sphere) {
   return sphere.roughness * sphere.radius;
 }
 
-template <class... Parts>
-[[noreturn]] void reject(const Parts&... parts) {
-  std::ostringstream message;
-  message << "lubrication: ";
-  (message << ... << parts);
-  throw std::invalid_argument(message.str());
-}
-
 // L of (1).
 double weak(double gap) {
   return gap < shear_reach ? std::log(shear_reach / gap) - 1 + gap / shear_reach : 0;
@@ -56,10 +48,8 @@ double film_resistance(double a, double b, double gap, double viscosity) {
           beta * (1 + 7 * beta + beta * beta) / (5 * cube) * weak(gap));
 }
 
-double film_mobility(const Surface& surface, const Solid& solid, double density_ratio) {
-  double area = 0;
-  for (const double a : surface.areas) area += a;
-  return largest_response / (layer * area + (density_ratio - 1) * solid.volume);
+double film_mobility(double area, double excess_mass) {
+  return largest_response / (layer * area + excess_mass);
 }
 
 Lubrication::Lubrication(std::vector<Sphere> spheres, double viscosity,

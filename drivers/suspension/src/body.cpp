@@ -213,12 +213,20 @@ class RigidBody final : public Body {
     options.gravity = plan.gravity;
     options.corrections = kind.corrections;
     options.memory = kind.memory;
-    const rigid::Surface markers = markers_of(body, plan.units.viscosity());
+    const rigid::Surface markers = markers_of(plan, body);
     rigid::State state;
     state.position = body.centre;
     state.orientation = Eigen::Quaterniond(body.rotation);
     if (kind.density_ratio == 1) drift(InitialFlow(plan), markers, state);
     return {markers, rigid::solid_of(*body.shape), options, state};
+  }
+
+  static rigid::Surface markers_of(const Plan& plan, const BodyPlan& body) {
+    const RigidPlan& kind = *body.rigid();
+    const double missed = kind.slip / plan.units.viscosity();
+    return kind.interior == Interior::solid
+               ? rigid::lined(*body.shape, body.frequency, kind.retraction, missed)
+               : rigid::markers_of(body.marker_mesh(), missed);
   }
 
   const Units& units_;
@@ -230,14 +238,6 @@ class RigidBody final : public Body {
 };
 
 }  // namespace
-
-rigid::Surface markers_of(const BodyPlan& body, double viscosity) {
-  const RigidPlan& kind = *body.rigid();
-  const double missed = kind.slip / viscosity;
-  return kind.interior == Interior::solid
-             ? rigid::lined(*body.shape, body.frequency, kind.retraction, missed)
-             : rigid::markers_of(body.marker_mesh(), missed);
-}
 
 std::unique_ptr<Body> make_body(const Plan& plan, std::size_t index) {
   const BodyPlan& body = plan.bodies.at(index);

@@ -58,10 +58,11 @@ constexpr double shear_reach = 1.1;
 /// Phys. Fluids A 1, 52, found of small spheres.
 constexpr double usual_roughness = 1e-3;
 
-/// m of (3): of a sphere among its markers, which move a layer of fluid with them within a step,
-/// and half as much again, as the response differs from step to step; too much makes forces follow
-/// more slowly, too little makes them overshoot.
-double film_mobility(const Surface& surface, const Solid& solid, double density_ratio);
+/// m of (3): of a sphere whose markers have this area together, and move a layer of fluid with them
+/// within a step, and whose mass exceeds the fluid's in it by so much; and half as much again, as
+/// the response differs from step to step: too much makes forces follow more slowly, too little
+/// makes them overshoot.
+double film_mobility(double area, double excess_mass);
 
 /// A sphere's motion: as in State.
 struct SphereMotion {

@@ -50,9 +50,6 @@ class Body {
   virtual void load(const StateReader& read) = 0;
 };
 
-/// The markers of a rigid body.
-rigid::Surface markers_of(const BodyPlan& body, double viscosity);
-
 /// Body `index` of the plan, which must outlive it. Throws std::invalid_argument as
 /// membrane::Capsule or rigid::Body.
 std::unique_ptr<Body> make_body(const Plan& plan, std::size_t index);
