@@ -27,7 +27,8 @@ seed = random.randrange(10**6)
 print(f"seed {seed}")
 random.seed(seed)
 
-CASES = [("slow", 5, 0.4), ("quick", 10, 0.3), ("fails", 9, 0.2), ("long", 12, 1000),
+# The long one flows so slowly that its bodies stay where they are: contact would end it too.
+CASES = [("slow", 5, 0.4), ("quick", 10, 0.3), ("fails", 9, 0.2), ("long", 0.01, 1000),
          ("refused", 4000, 1)]
 
 
