@@ -114,6 +114,26 @@ class Several(Directory):
         figure, _ = pictures.draw([self.work / "first", self.work / "second"])
         self.assertIn("first: stable", texts_of(figure))
 
+    def test_the_coupling_is_told_as_it_was_asked_for(self):
+        def with_coupling(retraction, own, **others):
+            return support.pair_parameters(**{
+                "membrane.retraction": retraction, "rigid.retraction": "felt", "rigid.slip": "felt",
+                "fluid.magic": 0.1875, "fluid.collision": "bgk", "body.lead.retraction": own,
+                "body.lag.retraction": own} | others)
+        felt, coarse = with_coupling("felt", 0.575), with_coupling("felt", 0.7)
+        plain = with_coupling(0.0, 0.0, **{"fluid.frame": "walls"})
+        self.assertEqual(parameters.headline(felt), parameters.headline(support.pair_parameters()))
+        self.assertEqual(parameters.headline(plain)[-2:],
+                         ["membrane retraction = 0 dx", "lattice with the walls"])
+        # What follows from the lattice alone does not tell runs apart.
+        self.assertEqual(parameters.differences([felt, coarse]), [{}, {}])
+        told = parameters.differences([felt, plain])
+        self.assertEqual([said["membrane.retraction"] for said in told], ["felt", 0.0])
+        self.assertEqual(parameters.said("membrane.retraction", "felt"), "membrane retraction felt")
+        own = with_coupling("felt", 0.575, **{"body.lag.retraction": 0.0})
+        self.assertIn("retraction of lag = 0 dx", [
+            parameters.said(*item) for item in parameters.differences([felt, own])[1].items()])
+
     def test_old_limits_of_time_do_not_tell_runs_apart(self):
         told = parameters.differences([support.pair_parameters(**{"run.time_limit": t, "name": n})
                                        for t, n in ((10, "a"), (20, "b"))])
@@ -217,13 +237,15 @@ class Program(Directory):
         defaults, table = {}, None
         for line in text.splitlines():
             if heading := re.match(r"\[+(\w+)\]+", line):
-                table = {"membrane": "body", "rigid": "body"}.get(heading[1], heading[1])
+                table = heading[1]
             elif entry := re.match(r"  (\w+) = (.*)$", line):
                 try:
                     value = tomllib.loads(f"v = {entry[2]}")["v"]
-                except tomllib.TOMLDecodeError:  # a rule
-                    continue
+                except tomllib.TOMLDecodeError:  # a rule, which begins with the usual value
+                    value = re.match(r"\w*", entry[2])[0]
                 defaults[f"{table}.{entry[1]}"] = value
+                if table in ("membrane", "rigid"):
+                    defaults[f"body.{entry[1]}"] = value
         self.assertGreater(len(defaults), 30)
         for key, value in parameters.DEFAULTS.items():
             self.assertEqual(defaults[key], value, key)

@@ -8,10 +8,13 @@ DEFAULTS = {
     "channel.walls": "halfway", "channel.side_walls": True, "channel.symmetry": "none",
     "channel.half_width_y": 1.0, "channel.length": 12.0, "channel.wall_velocity": [0.0, 0.0],
     "channel.gravity": [0.0, 0.0, 0.0], "channel.start": "developed",
-    "fluid.tau": 1.0, "fluid.collision": "bgk", "fluid.storage": "single",
+    "fluid.tau": 1.0, "fluid.collision": "bgk", "fluid.magic": 0.1875, "fluid.storage": "single",
+    "fluid.equilibrium": "incompressible", "fluid.frame": "bodies",
+    "membrane.retraction": "felt", "rigid.retraction": "felt", "rigid.slip": "felt",
     "body.law": "skalak", "body.area_ratio": 2.0, "body.bending": 0.00287, "body.mobility": 0.001,
     "body.integrator": "explicit-euler", "body.theta": 0.5, "body.substeps": 1, "body.edge": 1.2,
-    "body.frequency": 0, "body.iterations": 5, "body.memory": 0.0,
+    "body.frequency": 0, "body.iterations": 5, "body.memory": 0.0, "body.roughness": 0.001,
+    "body.interior": "fluid",
     "body.density_ratio": 1.0, "body.shape": "sphere", "body.radius": 0.4, "body.y": 0.0,
 }
 
@@ -23,12 +26,16 @@ _CALLED = {
     "laplace": ("La", ""), "radius": ("$a$", "W"), "x": ("$x$", "W"), "y": ("$y$", "W"),
     "z": ("$z$", "W"), "area_ratio": ("$k_a/k_s$", ""), "bending": ("$k_b/k_s a^2$", ""),
     "theta": (r"$\theta$", ""), "edge": ("edge", "dx"), "retraction": ("retraction", "dx"),
-    "rotation_angle": ("angle", "degrees"),
+    "rotation_angle": ("angle", "degrees"), "roughness": ("roughness", "radii"),
+    "membrane.retraction": ("membrane retraction", "dx"),
+    "rigid.retraction": ("rigid retraction", "dx"), "rigid.slip": ("rigid slip", "dx"),
 }
 # Neither physics nor method, or said otherwise: tables whose keys every body has for itself, and
-# what follows from the lattice unless it is set.
+# what follows from the lattice unless it is set. Where a surface is felt is told by the tables, in
+# which it is as it was asked for, and a body's own value follows from the lattice.
 _LEFT_OUT = re.compile(
-    r"name|(run|output|membrane|rigid|petsc)\..*|body\.[^.]+\.(volume_modulus|retraction)")
+    r"name|(run|output|petsc)\..*|membrane\.(?!retraction).*|rigid\.(?!retraction|slip).*|"
+    r"body\.[^.]+\.(volume_modulus|retraction|slip)")
 
 
 def bodies(parameters):
@@ -73,7 +80,11 @@ def said(key, value):
         return "half channel"
     if key == "channel.side_walls":
         return "walls at the sides" if value else "no side walls"
+    if value == "felt":
+        return f"{called(key)[0]} felt"
     if isinstance(value, str):
+        if key == "fluid.frame":
+            return f"lattice with the {value}"
         return {"regularized": "regularized walls", "halfway": "half-way walls",
                 "rest": "from rest", "single": "single precision",
                 "double": "double precision"}.get(value, value)
@@ -85,6 +96,19 @@ def together(parameters):
     """The parameters that a picture may mention, with those that all bodies share as body.KEY, and
     the fluid's precisions as one."""
     kept = {key: value for key, value in parameters.items() if not _LEFT_OUT.fullmatch(key)}
+    kinds = {value for key, value in parameters.items() if re.fullmatch(r"body\..*\.kind", key)}
+    for table, kind in (("membrane", "capsule"), ("rigid", "rigid")):
+        for key in [key for key in kept if key.startswith(f"{table}.") and kind not in kinds]:
+            del kept[key]
+    if kept.get("fluid.collision") == "bgk":
+        kept.pop("fluid.magic", None)
+    # A body's own retraction is told where it is another than the table's: "felt" is never 0.
+    for key, value in parameters.items():
+        if own := re.fullmatch(r"body\.([^.]+)\.retraction", key):
+            rigid = parameters.get(f"body.{own[1]}.kind") == "rigid"
+            table = parameters.get("rigid.retraction" if rigid else "membrane.retraction", "felt")
+            if value == 0 if table == "felt" else value != table:
+                kept[key] = value
     arithmetic = kept.pop("fluid.arithmetic", "double")  # as it was before it had a key
     if kept.get("fluid.storage", arithmetic) != arithmetic:
         kept["fluid.storage"] = f"{kept['fluid.storage']} storage, {arithmetic} arithmetic"

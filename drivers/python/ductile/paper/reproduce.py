@@ -3,7 +3,7 @@
     reproduce.py --program FILE [--quick | --paper] [--method clean|paper] [-o DIR] [--no-films]
                  [--finer] [--ranks N] [--at-once N]
 
-The campaigns of drivers/scenarios/paper are run in one queue, the cases of one size: 24 to 34 nodes
+The campaigns of drivers/scenarios/paper are run in one queue, the cases of one size: 24 to 40 nodes
 across the channel with --quick, 36 by default, 90 with --paper. With --finer those pairs of the
 default study whose verdict is not the paper's are then computed at 48 nodes as well. All of it goes
 on where it was interrupted when the same command is given again. The exit code is that of `ductile
@@ -179,9 +179,9 @@ def main(arguments=None):
     parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--quick", dest="size", action="store_const", const="quick",
-                       help="on lattices of 24 to 34 nodes")
+                       help="on lattices of 24 to 40 nodes")
     sizes.add_argument("--paper", dest="size", action="store_const", const="paper",
-                       help="on the paper's lattices, of 90 and 75 nodes: for a large machine")
+                       help="on the paper's lattices, of 75 to 120 nodes: for a large machine")
     parser.add_argument("--method", choices=METHODS,
                         help="one method alone: clean, this program's, or paper, the paper's")
     parser.add_argument("--finer", action="store_true",
