@@ -122,7 +122,7 @@ case ${1:-} in
     make_target convergence_cases
     results=${2:-runs/convergence}
     "$build/drivers/ductile" campaign "$top"/drivers/scenarios/convergence/*.toml -o "$results"
-    say "drag, lift and deformation: some thirty minutes"
+    say "drag, lift and deformation: some 45 minutes"
     "$build/tests/validation/convergence_cases" array wall shear lift >"$results/cases.csv.part"
     mv "$results/cases.csv.part" "$results/cases.csv"
     exec /usr/bin/python3 "$top/doc/figures/convergence.py" "$results"

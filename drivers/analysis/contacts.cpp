@@ -53,8 +53,8 @@ std::string description(const Plan& plan, const Contact& contact) {
   const std::string other = across_name(plan, gap);
   if (contact.crossed()) {
     return fmt::format(
-        "the surfaces of {} and {} cross at t = {:.4g}: nothing but the fluid "
-        "keeps them apart, and it is not resolved there",
+        "the surfaces of {} and {} cross at t = {:.4g}: the fluid that keeps them apart is not "
+        "resolved there",
         who, other, contact.time);
   }
   if (gap.distance < 0) {

@@ -98,8 +98,8 @@ class StabilityModel {
 /// of steps, nodes and vertices alone, so the same for the same problem everywhere.
 double seconds_to_measure(const StabilityProblem& problem);
 
-/// A scheme is relied on up to this load. The prediction is wrong by up to 8% (doc/stability.md),
-/// and a membrane in a flow is strained and stiffer than at rest.
+/// A scheme is relied on up to this load. The prediction is up to 3% too high and 20% too low
+/// (doc/stability.md), and a membrane in a flow is strained and stiffer than at rest.
 constexpr double sound_load = 0.8;
 
 /// Whether a scheme is to be relied on: its load is sound, or, of one without weights, that of

@@ -94,7 +94,7 @@ void add_capsule(Lines& lines, const BodyOptions& options, const suspension::Cap
   const membrane::Scheme& euler = membrane::reference_scheme();
   const membrane::Scheme& scheme = capsule.integrator;
   if (model == nullptr) {
-    lines.add("", fmt::format("integrator {}; its stability is not predicted within a second: add "
+    lines.add("", fmt::format("integrator {}; its stability is not predicted within 0.3 s: add "
                               "--thorough",
                               scheme.name));
     return;

@@ -16,7 +16,7 @@ CLI::App* CheckCommand::declare(CLI::App& program) {
       program.add_subcommand("check", "Validate a scenario file and say what the run would be");
   command->add_option("FILE", file_, "The scenario, TOML")->required()->type_name("");
   command->add_flag("--thorough", thorough_,
-                    "Predict the stability of capsules also where that takes more than a second");
+                    "Predict the stability of capsules also where that takes more than 0.3 s");
   scenario_.declare(*command);
   return command;
 }

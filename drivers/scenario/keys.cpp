@@ -359,11 +359,11 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
           "force per area: what the kernel misses of the fluid's answer. felt: with the retraction "
           "what makes the surface felt where it is, 0.1 at a = 8 dx; 0 of bodies that are solid, "
           "no spheres, or lighter than the fluid, and with a retraction that is given. Of a film "
-          "between two spheres with slip that is too thin for the lattice lubrication theory says "
+          "between two spheres with slip, neither lighter than the fluid, that is too thin for the lattice lubrication theory says "
           "what is missing. 0: the paper's method"),
       number("roughness", &R::roughness, between(1e-4, 0.1), "radii",
-             "Height of a sphere's roughness: two spheres with slip touch where the gap between "
-             "them is the mean of theirs"),
+             "Height of a sphere's roughness: two spheres with slip, neither lighter than the "
+             "fluid, touch where the gap between them is the mean of theirs"),
       choice<R, suspension::Interior>(
           "interior", &R::interior,
           {{"fluid", suspension::Interior::fluid}, {"solid", suspension::Interior::solid}},
@@ -427,7 +427,8 @@ const std::vector<Key<RunLimits>>& run_keys() {
              "10, or in a shorter channel its length less 2, or half its length if that is more"),
       flag("until_decided", &R::until_decided, "Stop as soon as the verdict of a pair is certain"),
       flag("stop_at_contact", &R::stop_at_contact,
-           "Stop when the markers of two bodies meet, which nothing but the fluid prevents; "
+           "Stop when the markers of two bodies meet, which the fluid between them prevents as far "
+           "as it is resolved; "
            "false: say so and go on"),
       number(
           "checkpoint_every", &R::checkpoint_every, between(0, 1e4), "minutes",

@@ -72,8 +72,8 @@ class Coupler {
   void bodies_replaced();
 
   /// Where this rank's time has gone, and how many bytes it has sent in steps, since construction
-  /// or since reset_profile(). Always kept: a step reads the clock some twenty times. A step that
-  /// throws counts until then.
+  /// or since reset_profile(). Always kept: a step reads the clock twelve times, and six
+  /// more for each round of corrections. A step that throws counts until then.
   [[nodiscard]] const Profile& profile() const;
   void reset_profile();
 

@@ -5,9 +5,10 @@
 
 namespace ductile::suspension {
 
-/// Smallest distance between two surfaces. Markers inside of their surface (BodyPlan::retraction())
-/// keep apart by about a lattice spacing, whatever lies between: a film of fluid so thin that the
-/// lattice does not resolve it may leave surfaces that overlap by some tenths of a spacing.
+/// Smallest distance between two surfaces. Where no film is computed between them (has_films()),
+/// markers inside of their surface (BodyPlan::retraction()) keep apart by about a lattice spacing,
+/// whatever lies between: a film of fluid so thin that the lattice does not resolve it may leave
+/// surfaces that overlap by some tenths of a spacing.
 struct Gap {
   enum class To { wall, body, image };
   To to = To::wall;
