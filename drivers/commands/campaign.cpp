@@ -221,6 +221,10 @@ CLI::App* CampaignCommand::declare(CLI::App& program) {
                    "Of a campaign's directory, run this case alone: what an engine calls")
       ->type_name("NAME");
   command->add_flag("--gather", gather_, "Of a campaign's directory, write campaign.csv anew");
+  command->footer(
+      "Exit codes: 0 all cases have ended, however; 1 one could not be run, or was refused;\n"
+      "2 wrong input (nothing is written); 5 a signal ended it, 6 --max-walltime one of its runs:\n"
+      "the same command goes on. campaign.csv says how each case ended.");
   return command;
 }
 
