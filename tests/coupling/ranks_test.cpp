@@ -94,6 +94,7 @@ TEST_P(Ranks, BodiesAndFluidAreTheSameToTheLastBit) {
   auto own = bodies(GetParam());
   Coupler coupler(cut, share_of(shared, rank(), ranks()), 4);
   Coupler alone(whole, share_of(own, 0, 1), 4);
+  const std::int64_t sent_before = cut.bytes_sent();
   for (int step = 0; step < 60; ++step) {
     coupler.step();
     alone.step();
@@ -102,6 +103,11 @@ TEST_P(Ranks, BodiesAndFluidAreTheSameToTheLastBit) {
       const auto b = own[static_cast<std::size_t>(member.id)]->positions();
       for (std::size_t n = 0; n < a.size(); ++n) ASSERT_EQ(a[n], b[n]) << step << ' ' << n;
     }
+  }
+  // Markers and velocities of bodies that reach over, and the fluid's planes.
+  EXPECT_EQ(alone.profile().bytes_sent, 0);
+  if (ranks() > 1) {
+    EXPECT_GT(coupler.profile().bytes_sent, cut.bytes_sent() - sent_before);
   }
   const fluid::Totals a = cut.totals();
   const fluid::Totals b = whole.totals();

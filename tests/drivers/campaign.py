@@ -136,7 +136,9 @@ expect(filecmp.cmp(os.path.join(alone, "trajectory.csv"),
 # Undisturbed, with an end to the long one; and the campaign of above goes on to the same.
 finite = campaign_file("finite.toml", 0.5)
 whole = os.path.join(work, "whole")
+begun = time.monotonic()
 code, said = run(finite, "-o", whole)
+span = time.monotonic() - begun
 expect(code == 1 and set(states(whole).values()) == {"finished", "refused"}, code, said)
 shutil.rmtree(in_the_way)
 before = os.stat(os.path.join(first, "cases", "slow", "summary.json")).st_mtime_ns
@@ -168,6 +170,22 @@ for name in ("slow", "quick"):
 code, said = run(some, "--only", "nothing*")
 expect(code == 2 and '--only "nothing*": no case is called so: the first one is slow' in said,
        code, said)
+# The longest case first, and alone, on two ranks; and one by one, as an engine calls for them.
+wide = os.path.join(work, "wide")
+code, said = run(finite, "-o", wide, "--only", "quick", "--only", "slow", "--ranks", "2",
+                 "--at-once", "1")
+expect(code == 0 and "2 cases to run, 1 at once on 2 ranks each" in said, code, said)
+expect(said.index("slow: finished") < said.index("quick: finished"), said)
+single = os.path.join(work, "single")
+code, said = run(finite, "-o", single, "--prepare")
+for name in ("quick", "slow"):
+    code, said = run(single, "--case", name)
+    expect(code == 0, code, said)
+code, said = run(single, "--gather")
+expect(code == 0, code, said)
+for name in ("slow", "quick"):
+    for directory in (wide, single):
+        expect(rows(directory)[name] == rows(whole)[name], directory, rows(directory)[name])
 short = campaign_file("short.toml", 0.2)
 both = os.path.join(work, "both")
 code, said = run(finite, short, "-o", both, "--only", "*/quick", "--only", "short/long")
@@ -200,19 +218,26 @@ killed = os.path.join(work, "killed")
 survived = 0
 for n in range(int(kills)):
     process = start(finite, "-o", killed)
-    time.sleep(random.uniform(0.3, 4))
+    time.sleep(random.uniform(0.1, 0.9) * span / int(kills))
     if process.poll() is not None:
         survived += 1
     kill_all(killed)
     process.wait()
     process.stdout.close()
+expect(survived < int(kills), f"all of {kills} kills came too late, seed {seed}")
 # SIGTERM is heard, and ends the runs with what they have.
-process = start(finite, "-o", killed)
-time.sleep(1)
+stopped = os.path.join(work, "stopped")
+process = start(endless, "-o", stopped, "--only", "long")
+frame = os.path.join(stopped, "cases", "long", "frames", "000001.h5")
+for _ in range(1200):
+    if os.path.exists(frame):
+        break
+    time.sleep(0.05)
 process.send_signal(signal.SIGTERM)
 said = process.communicate(timeout=300)[0]
-expect(process.returncode == 5 and "SIGTERM came" in said or process.returncode == 1,
-       process.returncode, said)
+expect(process.returncode == 5 and "SIGTERM came" in said, process.returncode, said)
+expect(states(stopped)["long"] == "unfinished", states(stopped), said)
+expect(os.path.exists(os.path.join(stopped, "cases", "long", "checkpoint.h5")), said)
 code, said = run(finite, "-o", killed)
 expect(code == 1, code, said)
 expect_same(killed, f"{kills} kills, seed {seed}")

@@ -13,6 +13,7 @@
 #include "scenario/errors.hpp"
 #include "scenario/pairs.hpp"
 #include "scenario/writer.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -200,9 +201,8 @@ TEST(CommandLine, ProfileIsAskedFor) {
 }
 
 TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
-  const std::filesystem::path directory =
-      std::filesystem::path(testing::TempDir()) / "ductile_command_line_test";
-  std::filesystem::create_directories(directory);
+  const testing_support::TemporaryDirectory temporary;
+  const std::filesystem::path& directory = temporary.path();
   std::ofstream(directory / "trajectory.csv") << "precious";
   const std::vector<std::string> arguments = {"pair", "M1", "--x-lag",
                                               "0",    "-o", directory.string()};
@@ -222,7 +222,6 @@ TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
   std::filesystem::create_directories(directory);
   std::ofstream(directory / "scenario.toml.part") << "half of";
   EXPECT_EQ(refused(arguments), "");
-  std::filesystem::remove_all(directory);
 }
 
 TEST(CommandLine, MistakesGetOneLine) {

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "support/temporary_directory.hpp"
+
 namespace ductile::drivers {
 namespace {
 
@@ -176,9 +178,8 @@ TEST(Comparison, TableHasAColumnForEach) {
 }
 
 TEST(Comparison, JsonHasTheNumbersInFull) {
-  const std::filesystem::path directory =
-      std::filesystem::path(testing::TempDir()) / "ductile_comparison_test";
-  std::filesystem::create_directories(directory);
+  const testing_support::TemporaryDirectory temporary;
+  const std::filesystem::path& directory = temporary.path();
   std::ofstream(directory / "compare.json") << to_json(contenders());
   std::ofstream(directory / "read.py") << R"(
 import json, math, sys
@@ -205,7 +206,6 @@ assert first['cost_per_step_ms'] == {'fluid': 4.5, 'interpolation': 1, 'bodies':
   const std::string command = "/usr/bin/python3 '" + (directory / "read.py").string() + "' '" +
                               (directory / "compare.json").string() + "'";
   EXPECT_EQ(std::system(command.c_str()), 0) << to_json(contenders());
-  std::filesystem::remove_all(directory);
 }
 
 TEST(ProfileTable, ShowsEveryRankOfFewAndTheSpreadOfMany) {

@@ -17,7 +17,7 @@ import sys
 import time
 
 program, mpiexec, faults, scenario, work, kills = sys.argv[1:7]
-kills = int(kills)
+kills, work = int(kills), os.path.realpath(work)
 rng = random.Random(int(sys.argv[7]) if len(sys.argv) > 7 else 1)
 environment = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM"))}
 
@@ -42,8 +42,7 @@ def kill_all(pid):
 def start(ranks, arguments, fault=None):
     extra = {}
     if fault:
-        extra = {"LD_PRELOAD": faults, "FAULT_PATH": os.path.realpath(work), "FAULT_KIND": "kill",
-                 "FAULT_AT": str(fault)}
+        extra = {"LD_PRELOAD": faults, "FAULT_PATH": work, "FAULT_KIND": "kill", "FAULT_AT": str(fault)}
     return subprocess.Popen(command(ranks, *arguments), env=environment | extra,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
@@ -66,18 +65,20 @@ def check_equal(a, b, story):
 shutil.rmtree(work, ignore_errors=True)
 os.makedirs(work)
 reference = os.path.join(work, "reference")
-counter = os.path.realpath(work) + ".operations"
+counter = work + ".operations"
+if os.path.exists(counter):
+    os.remove(counter)
 begin = time.monotonic()
 subprocess.run(command(1, "run", scenario, "-o", reference), check=True, stdout=subprocess.DEVNULL,
                stderr=subprocess.DEVNULL,
                env=environment | {"LD_PRELOAD": faults, "FAULT_COUNT": counter,
-                                  "FAULT_PATH": os.path.realpath(work)})
+                                  "FAULT_PATH": work})
 duration = time.monotonic() - begin
 operations = int(open(counter, encoding="ascii").read())
 print(f"undisturbed: {duration:.1f} s, {operations} operations on files, "
       f"{len(files(reference)) - 3} frames")
 
-killed = runs = resumed = before = 0
+killed = runs = resumed = before = by_fault = 0
 while killed < kills:
     runs += 1
     directory = os.path.join(work, "killed")
@@ -109,8 +110,17 @@ while killed < kills:
             break
         if not dies:
             sys.exit(f"{story}: {arguments} on {ranks} ranks ends with {process.returncode}:\n{said}")
+        # mpirun of a rank that was killed says so with 137, if it is not killed itself.
+        if process.returncode not in ((-signal.SIGKILL,) if ranks == 1 else (-signal.SIGKILL, 137)):
+            sys.exit(f"{story}: {arguments} on {ranks} ranks, to be killed, ends with "
+                     f"{process.returncode}:\n{said}")
+        by_fault += fault is not None
         story.append((ranks, f"operation {fault}" if fault else "any moment"))
         killed += 1
     check_equal(reference, directory, story)
-print(f"{runs} runs, killed {killed} times, gone on from a checkpoint {resumed} times, from the one "
-      f"before the latest {before} times, are the undisturbed one, byte by byte")
+if not (resumed and by_fault):
+    sys.exit(f"of {killed} kills {by_fault} were within a write, and {resumed} runs went on from a "
+             "checkpoint: neither is to be 0")
+print(f"{runs} runs, killed {killed} times, {by_fault} of them within a write, gone on from a "
+      f"checkpoint {resumed} times, from the one before the latest {before} times, are the "
+      "undisturbed one, byte by byte")

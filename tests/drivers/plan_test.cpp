@@ -197,6 +197,60 @@ TEST(Plan, RigidSpheresSlipUnlessTheyAreGivenTheirPlace) {
   EXPECT_EQ(of({set("body.particle.density_ratio", "2.0")}).slip, usual.slip);
 }
 
+TEST(Plan, EveryKeyOfABodyReachesIt) {
+  constexpr const char* text = R"(
+channel.start = "rest"
+[membrane]
+law = "neo-hookean"
+area_ratio = 3
+mobility = 0.002
+retraction = 0.25
+integrator = "implicit"
+theta = 0.75
+substeps = 3
+step_cuts = 2
+frequency = 7
+[rigid]
+iterations = 4
+memory = 0.5
+retraction = 0.35
+slip = 0.05
+roughness = 0.002
+interior = "fluid"
+edge = 2.0
+[[body]]
+name = "soft"
+laplace = 100
+[[body]]
+name = "hard"
+kind = "rigid"
+density_ratio = 1.5
+z = 2
+)";
+  const Plan s = parse_case(text, "case.toml", {}).plan;
+  EXPECT_EQ(s.start, suspension::Start::rest);
+  const suspension::CapsulePlan& soft = *s.bodies.at(0).capsule();
+  EXPECT_EQ(soft.moduli.law, membrane::StrainLaw::neo_hookean);
+  EXPECT_NEAR(soft.moduli.k_a, 3 * soft.moduli.k_s, 1e-12 * soft.moduli.k_s);
+  EXPECT_EQ(soft.mobility, 0.002);
+  EXPECT_EQ(soft.retraction, 0.25);
+  EXPECT_EQ(soft.integrator.name, "implicit");
+  EXPECT_EQ(soft.integrator_options.theta, 0.75);
+  EXPECT_EQ(soft.integrator_options.substeps, 3);
+  EXPECT_EQ(soft.integrator_options.step_cuts, 2);
+  EXPECT_EQ(s.bodies[0].frequency, 7);
+  const suspension::RigidPlan& hard = *s.bodies.at(1).rigid();
+  EXPECT_EQ(hard.density_ratio, 1.5);
+  EXPECT_EQ(hard.corrections, 4);
+  EXPECT_EQ(hard.memory, 0.5);
+  EXPECT_EQ(hard.retraction, 0.35);
+  EXPECT_EQ(hard.slip, 0.05);
+  EXPECT_EQ(hard.roughness, 0.002);
+  EXPECT_EQ(hard.interior, suspension::Interior::fluid);
+  // Its own edge, not the membranes' frequency.
+  EXPECT_NEAR(surface::icosphere_edge(s.bodies[1].shape->radius(), s.bodies[1].frequency), 2, 0.3);
+}
+
 // Unless they are given their place, surfaces are felt where they are, with moduli to match.
 TEST(Plan, CapsulesLieInsideOfTheirSurface) {
   const Plan s = plan({});

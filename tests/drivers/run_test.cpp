@@ -66,6 +66,20 @@ TEST_F(Run, LeavesSignalHandlersAndPetscOptionsAsTheyWere) {
   EXPECT_NE(result.summary->warnings[0].find("nobody_reads_this"), std::string::npos);
 }
 
+// No body notices what becomes of a fluid that has none: the loop looks every 32 steps.
+TEST_F(Run, EndsWhereTheFluidBlowsUp) {
+  Case given = parse_case(
+      "channel.nodes = 16\nchannel.length = 2\nchannel.reynolds = 1\nrun.time_limit = 5\n",
+      "empty.toml");
+  given.plan.fluid.force.z() = 1e3;
+  const RunResult result = run(given);
+  EXPECT_EQ(result.exit_code, exit_blow_up);
+  ASSERT_TRUE(result.summary && result.summary->blow_up);
+  EXPECT_EQ(result.summary->blow_up->body, "");
+  EXPECT_EQ(result.summary->steps % 32, 0);
+  EXPECT_LE(result.summary->steps, 320);
+}
+
 TEST_F(Run, GivesBackThePetscOptionsThatWereThere) {
   ASSERT_EQ(PetscOptionsSetValue(nullptr, "-membrane_ksp_rtol", "0.03"), 0);
   EXPECT_EQ(run(parse_case(small_case, "small.toml")).exit_code, exit_success);

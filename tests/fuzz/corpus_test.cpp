@@ -12,6 +12,7 @@
 
 #include "fuzz/inputs.hpp"
 #include "output/checkpoint.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace ductile::drivers {
 namespace {
@@ -54,12 +55,6 @@ TEST(Corpus, OfCheckpointsIsRefused) {
 
 class CheckpointFile : public testing::Test {
  protected:
-  void SetUp() override {
-    fs::remove_all(directory_);
-    fs::create_directories(directory_);
-  }
-  void TearDown() override { fs::remove_all(directory_); }
-
   void write(double seed) const {
     NewCheckpoint checkpoint(file_);
     std::vector<double> numbers(20);
@@ -84,7 +79,8 @@ class CheckpointFile : public testing::Test {
     std::ofstream(file_, std::ios::binary | std::ios::trunc) << bytes;
   }
 
-  fs::path directory_ = fs::path(testing::TempDir()) / "ductile_checkpoint_test";
+  testing_support::TemporaryDirectory temporary_;
+  fs::path directory_ = temporary_.path();
   fs::path file_ = directory_ / "checkpoint.h5";
   fs::path before_ = directory_ / "checkpoint-before.h5";
 };

@@ -8,6 +8,13 @@ function(step)
   endif()
 endfunction()
 step(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+# Without them the installed program would take those of the sources, if they are still there.
+foreach(file python/plot.py python/ductile/pictures.py python/ductile/paper/report.html.j2
+             python/ductile/paper/report.css python/ductile/paper/report.js Snakefile)
+  if(NOT EXISTS ${WORK}/prefix/share/ductile/${file})
+    message(FATAL_ERROR "share/ductile/${file} is not installed")
+  endif()
+endforeach()
 step(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR}
      -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release
      -DCMAKE_CXX_FLAGS=${CXX_FLAGS})

@@ -3,6 +3,7 @@
 import fcntl
 import json
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -518,14 +519,14 @@ class Server(Directory):
         self.assertEqual(server.wait(10), 0)
 
     def test_a_number_that_is_taken_is_left_to_its_server(self):
-        servers = []
-        with mock.patch.object(display, "NUMBERS", range(4711, 4714)):
+        servers, first = [], random.randrange(5000, 60000)
+        with mock.patch.object(display, "NUMBERS", range(first, first + 3)):
             for _ in range(3):
                 server, name, client = display._start_server()
                 self.addCleanup(server.wait)
                 self.addCleanup(client.close)
                 servers.append(name)
-            self.assertEqual(sorted(servers), [":4711", ":4712", ":4713"])
+            self.assertEqual(sorted(servers), sorted(f":{first + n}" for n in range(3)))
             self.fails("Xvfb does not start: ", display._start_server)
 
     def drawing(self, then):

@@ -6,8 +6,10 @@
 Held are verdicts that a coarse lattice decides with room to spare, and statements and numbers that
 follow from them. Not held are those that hang on the lattice, on a swing more or less, or on
 round-off, as where a membrane without mobility crumples or a film of fluid is thinner than the
-lattice. What an interrupted study has left in WORK is gone on with.
+lattice. What an interrupted study of the same program has left in WORK is gone on with.
 """
+import hashlib
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -97,6 +99,12 @@ def numbers_that_differ(found):
 def main():
     program, work = sys.argv[1:3]
     work = Path(work).resolve()
+    made_by = work / "made-by"
+    own = hashlib.sha256(Path(program).read_bytes()).hexdigest()
+    if not made_by.exists() or made_by.read_text(encoding="ascii") != own:
+        shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True, exist_ok=True)
+    made_by.write_text(own, encoding="ascii")
     script = support.PACKAGE / "reproduce.py"
     made = subprocess.run(["/usr/bin/python3", "-B", str(script), "--program", program, "--quick",
                            "--no-films", "-o", str(work)], check=False)

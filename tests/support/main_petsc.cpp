@@ -2,8 +2,13 @@
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include <cstdlib>
+
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
+  // What the user has set for programs of his own is not the tests'.
+  unsetenv("PETSC_OPTIONS");
+  if (PetscOptionsSetValue(nullptr, "-skip_petscrc", nullptr) != 0) return 1;
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 1;
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
