@@ -31,6 +31,7 @@ std::string toml_text(const toml::node& node) {
     const std::string text = fmt::format("{}", number->get());
     return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
   }
+  if (const auto* words = node.as_string()) return in_quotes(words->get());
   if (const auto* array = node.as_array()) {
     std::string text;
     for (const toml::node& element : *array)
@@ -46,7 +47,7 @@ class Reader {
  public:
   Reader(std::string_view text, const fs::path& file)
       : document_(text, file.string()), folder_(file.parent_path()) {
-    sweep_.name = file.stem().string();
+    sweep_.name = name_from(file.string());
   }
 
   Sweep read() {

@@ -135,8 +135,17 @@ void add_bodies(Lines& lines, const Case& given, StabilityModels& models) {
                               surface::triangle_count(body.frequency),
                               surface::icosphere_edge(radius, body.frequency)));
     if (const auto* rigid = body.rigid()) {
-      lines.add("", fmt::format("density ratio {}, {} forcing iterations, memory {}",
-                                rigid->density_ratio, rigid->corrections, rigid->memory));
+      const bool solid = rigid->interior == suspension::Interior::solid;
+      lines.add("", fmt::format("density ratio {}, {}, {} forcing iterations, memory {}",
+                                rigid->density_ratio, solid ? "solid" : "fluid inside",
+                                rigid->corrections, rigid->memory));
+      lines.add("", fmt::format("markers {:.3g} dx inside of the surface, slip {:.3g} dx: {}",
+                                rigid->retraction, rigid->slip,
+                                suspension::has_films(body)
+                                    ? fmt::format("films between it and its like, which touch at "
+                                                  "a roughness of {:g} radii",
+                                                  rigid->roughness)
+                                    : "no films"));
     } else {
       add_capsule(lines, options, *body.capsule(), models[i]);
     }

@@ -86,6 +86,12 @@ void check_mach(const Case& given) {
                       : "lower it"));
 }
 
+/// So many nodes, if a channel may have them, or what else helps.
+std::string advised(int nodes, std::string_view otherwise) {
+  return nodes <= most_nodes ? fmt::format("raise channel.nodes to {} or {}", nodes, otherwise)
+                             : std::string(otherwise);
+}
+
 /// What the coupling needs. The kernel reaches two nodes beyond a marker: not onto a wall's own
 /// nodes, and not round a periodic channel to where the body's other end reaches.
 double least_gap(const Plan& plan, const Gap& gap) {
@@ -102,8 +108,9 @@ void check_radii(const Plan& plan) {
     throw ScenarioError(
         "channel.nodes",
         fmt::format("too few nodes: the radius of {} is {:.2g} lattice spacings, at least 2 are "
-                    "needed: raise channel.nodes to {}",
-                    body_name(plan, i), radius, nodes_for_gap(plan, radius, 2)));
+                    "needed: {}",
+                    body_name(plan, i), radius,
+                    advised(nodes_for_gap(plan, radius, 2), "make it larger")));
   }
 }
 
@@ -151,9 +158,9 @@ void check_gaps(const Plan& plan) {
     throw ScenarioError(
         "channel.nodes",
         fmt::format("too few nodes across the gap between {} and {}: {:.2f} lattice spacings, at "
-                    "least {} needed: raise channel.nodes to {} or move the body",
+                    "least {} needed: {}",
                     body_name(plan, gap.body), across_name(plan, gap), gap.distance, least,
-                    nodes_for_gap(plan, gap.distance, least)));
+                    advised(nodes_for_gap(plan, gap.distance, least), "move the body")));
   }
 }
 
@@ -223,8 +230,10 @@ void check_retractions(const Plan& plan) {
   constexpr int coarse = 4;
   for (const suspension::BodyPlan& body : plan.bodies) {
     try {
-      if (body.retraction() > body.shape->radius() / 2)
-        throw std::invalid_argument("it must not exceed half of the radius");
+      if (const double most = body.shape->radius() / 2; body.retraction() > most) {
+        throw std::invalid_argument(fmt::format(
+            "{:.3g} dx is more than half of the radius, {:.3g} dx", body.retraction(), most));
+      }
       (void)body.shape->mesh(std::min(body.frequency, coarse), -body.retraction());
     } catch (const std::invalid_argument& error) {
       throw ScenarioError("body." + body.name + ".retraction",
@@ -235,22 +244,23 @@ void check_retractions(const Plan& plan) {
   }
 }
 
-/// Whether each light body full of fluid is stable.
+/// Whether each light body is stable.
 void check_densities(const Plan& plan) {
   for (const suspension::BodyPlan& body : plan.bodies) {
     const suspension::RigidPlan* kind = body.rigid();
-    if (kind == nullptr || kind->interior == suspension::Interior::solid ||
-        kind->density_ratio >= 1)
-      continue;
-    const double least = least_density_ratio(*body.shape, body.frequency, kind->retraction,
-                                             kind->slip / plan.units.viscosity(),
-                                             plan.fluid.mirror != fluid::Mirror::none);
+    if (kind == nullptr || kind->density_ratio >= 1) continue;
+    const double least = least_density_ratio(
+        *body.shape, body.frequency, kind->retraction, kind->slip / plan.units.viscosity(),
+        plan.fluid.mirror != fluid::Mirror::none, kind->interior);
     if (kind->density_ratio >= least) continue;
+    const bool solid = kind->interior == suspension::Interior::solid;
     throw ScenarioError(
         "body." + body.name + ".density_ratio",
-        fmt::format("must be at least {:.3g} for a body of this size with fluid inside: raise it, "
-                    "or set interior = \"solid\"",
-                    least));
+        fmt::format("must be at least {:.3g} for a {} of this size{}: raise it{}", least,
+                    solid ? "solid" : "body", solid ? "" : " with fluid inside",
+                    !solid           ? ", or set interior = \"solid\""
+                    : kind->slip > 0 ? " or channel.nodes, or take less slip"
+                                     : " or channel.nodes"));
   }
 }
 

@@ -50,10 +50,6 @@ void choose_width(EngineOptions& options, const std::vector<Job>& jobs, int rank
   const int cores = core_count();
   int planes = std::numeric_limits<int>::max();  // of the shortest channel
   for (const Job& job : jobs) planes = std::min(planes, job.given.plan.fluid.nodes[2]);
-  if (ranks > planes) {
-    throw InputError(fmt::format("--ranks {}: cannot share the {} planes of the shortest channel",
-                                 ranks, planes));
-  }
   options.ranks = ranks;
   options.at_once = at_once;
   if (at_once == 0) options.at_once = std::max(1, cores / std::max(1, ranks));
@@ -363,6 +359,41 @@ void CampaignCommand::run_case(const Request& request, Afterwards& afterwards) c
   };
 }
 
+namespace {
+
+// A campaign may grow, and its file be called otherwise; one that has no case in common with that
+// of the directory is another, which would take its place.
+void require_kin(const CampaignDirectory& directory, const CampaignCommand::Request& request) {
+  std::error_code error;
+  if (!fs::exists(directory.index(), error)) return;
+  const Campaign before = directory.read();
+  const bool kin = std::ranges::any_of(before.cases, [&](const CampaignCase& old) {
+    return std::ranges::any_of(request.cases,
+                               [&](const ReadCase& read) { return read.entry.name == old.name; });
+  });
+  if (kin) return;
+  throw InputError(
+      fmt::format("{}: has a campaign {}, of which {} has no case: add --force to put it in its "
+                  "place, or choose another directory with -o",
+                  directory.path().string(), before.name, request.name));
+}
+
+}  // namespace
+
+void CampaignCommand::check_ranks(const std::vector<Request>& requests, int ranks) const {
+  int planes = std::numeric_limits<int>::max();  // of the shortest channel
+  for (const Request& request : requests) {
+    for (const ReadCase& read : request.cases) {
+      if (read.given && chosen(request.name, read.entry.name))
+        planes = std::min(planes, read.given->plan.fluid.nodes[2]);
+    }
+  }
+  if (ranks > planes) {
+    throw InputError(fmt::format("--ranks {}: cannot share the {} planes of the shortest channel",
+                                 ranks, planes));
+  }
+}
+
 void CampaignCommand::run(const std::vector<Request>& requests, Afterwards& afterwards) const {
   EngineOptions options = engine_options(max_walltime_);
   const int ranks = ranks_.empty() ? 0 : number_of("--ranks", ranks_, most_ranks);
@@ -373,7 +404,9 @@ void CampaignCommand::run(const std::vector<Request>& requests, Afterwards& afte
   for (const Request& request : requests) {
     const CampaignDirectory directory(request.directory);
     if (!force_ && !fs::exists(directory.index(), error)) require_free(directory.path(), false);
+    if (!force_ && request.sweep) require_kin(directory, request);
   }
+  check_ranks(requests, ranks);
   for (const Request& request : requests) {
     fs::create_directories(request.directory, error);
     if (error) fail_to_write(request.directory, error.value());

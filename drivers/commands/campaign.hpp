@@ -36,6 +36,7 @@ class CampaignCommand final : public Command {
   void check_options() const;
   [[nodiscard]] Request prepare(const std::string& given) const;
   void check_patterns(const std::vector<Request>& requests) const;
+  void check_ranks(const std::vector<Request>& requests, int ranks) const;
   [[nodiscard]] bool chosen(const std::string& campaign, const std::string& name) const;
   void run_case(const Request& request, Afterwards& afterwards) const;
   void run(const std::vector<Request>& requests, Afterwards& afterwards) const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 
 #include "checks/read_case.hpp"
@@ -58,7 +59,15 @@ SingleRun::Request PairCommand::prepare() const {
           {shorthand.key, shorthand.value, shorthand.option + " " + shorthand.value});
     }
   }
-  for (Override& override : scenario().overrides()) overrides.push_back(std::move(override));
+  const std::vector<Override> short_ones = overrides;
+  for (Override& override : scenario().overrides()) {
+    const auto same = std::ranges::find(short_ones, override.key, &Override::key);
+    if (same != short_ones.end()) {
+      throw InputError(
+          fmt::format("{} and {}: give {} once", same->origin, override.origin, override.key));
+    }
+    overrides.push_back(std::move(override));
+  }
   Request request{parse_case(pair_scenario(pair_), pair_ + ".toml", overrides), {}};
   const Scenario& resolved = request.given.scenario;
   const std::string name = fmt::format("{}_x-lag_{}", resolved.name, resolved.bodies.at(1).x);

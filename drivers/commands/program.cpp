@@ -106,6 +106,7 @@ CommandLine::CommandLine(const std::vector<std::string>& arguments)
   bool version = false;
   program_.add_flag("--version", version,
                     "Versions of the program, the compiler and the libraries");
+  program_.require_subcommand(0, 1);
   std::vector<CLI::App*> declared;
   for (const auto& command : commands_) declared.push_back(command->declare(program_));
   try {
@@ -122,6 +123,13 @@ CommandLine::CommandLine(const std::vector<std::string>& arguments)
   }
   const auto parsed = std::ranges::find_if(declared, [](CLI::App* app) { return app->parsed(); });
   if (parsed == declared.end()) throw InputError("ductile: no command given; see ductile --help");
+  // As from a variable of the shell that is not set: nothing is left to guess.
+  for (const CLI::Option* option : (*parsed)->get_options()) {
+    if (std::ranges::find(option->results(), "") != option->results().end()) {
+      throw InputError(fmt::format("ductile {}: {} is empty: give it a value, or leave it out",
+                                   (*parsed)->get_name(), option->get_name()));
+    }
+  }
   command_ = commands_[static_cast<std::size_t>(parsed - declared.begin())].get();
 }
 

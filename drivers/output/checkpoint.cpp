@@ -102,6 +102,10 @@ void NewCheckpoint::commit(const fs::path& before) {
 }
 
 Checkpoint::Checkpoint(const fs::path& file) : path_(file) {
+  // A pipe would be waited for.
+  std::error_code ignored;
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))
+    throw OutputError(fmt::format("cannot read {}: is no file", path_.string()));
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"),
                                                            std::fclose);
   // Not to be read now is no reason to go on from an older one.

@@ -53,11 +53,12 @@ void require_free(const fs::path& directory, bool force) {
     throw InputError(
         fmt::format("{}: is not a directory: choose another with -o", directory.string()));
   }
-  // What a run leaves that has died before it began is nothing to lose: a lock, a log, a file that
-  // it was writing.
-  const auto counts = [](const fs::directory_entry& entry) {
+  // What a run leaves that has died before it began is nothing to lose: a lock, and beside that a
+  // log and a file that it was writing.
+  const bool of_a_run = fs::exists(directory / lock_name, error);
+  const auto counts = [of_a_run](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
-    return name != lock_name && name != log_name && !name.ends_with(unfinished);
+    return name != lock_name && !(of_a_run && (name == log_name || name.ends_with(unfinished)));
   };
   const bool empty = std::none_of(fs::directory_iterator(directory, error), {}, counts);
   if (!force && !empty) {

@@ -201,7 +201,7 @@ int Run::take_over() {
     suspension_.load([&](std::string_view name, std::span<double> numbers) {
       recorder_->checkpoint()->read("state/" + std::string(name), numbers);
     });
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {  // a file's, or what a solver refuses to take
     if (recorder_) say(stderr, "ductile: {}\n", error.what());
     return exit_failure;
   }

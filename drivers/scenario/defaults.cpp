@@ -29,8 +29,13 @@ int mesh_frequency(int frequency, double edge, double radius, double half_width)
 }
 
 double least_density_ratio(const surface::Shape& shape, int frequency, double retraction,
-                           double missed, bool half_channel) {
+                           double missed, bool half_channel, suspension::Interior interior) {
   constexpr int fine = 24;
+  if (interior == suspension::Interior::solid) {
+    return rigid::least_density_ratio(
+        rigid::lined(shape, std::min(frequency, fine), retraction, missed), rigid::solid_of(shape),
+        rigid::Options{}.relaxation);
+  }
   rigid::Surface surface = rigid::markers_of(shape.mesh(std::min(frequency, fine)), missed);
   const double scale = 1 - retraction / shape.radius();
   for (Eigen::Vector3d& marker : surface.markers) marker *= scale;
@@ -52,11 +57,13 @@ fluid::Options collision_of(const FluidOptions& fluid) {
 }  // namespace
 
 double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
-                          const BodyOptions& body, double slip) {
+                          const BodyOptions& body, double slip, bool solid) {
+  constexpr double shells = 0.2;
   const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
   if (!(radius >= 2)) return 0;  // refused later
-  return suspension::felt_retraction(*surface::make_shape(body.shape, radius), collision_of(fluid),
-                                     slip);
+  const double felt = suspension::felt_retraction(*surface::make_shape(body.shape, radius),
+                                                  collision_of(fluid), slip);
+  return solid ? std::min(felt + shells, radius / 2) : felt;
 }
 
 suspension::FeltPlace default_place(const ChannelOptions& channel, const FluidOptions& fluid,
@@ -84,7 +91,7 @@ suspension::Interior default_interior(const ChannelOptions& channel, const Fluid
       *surface::make_shape(body.shape, radius),
       mesh_frequency(options.frequency, options.edge, radius, half_width),
       options.retraction.value(), options.slip.value() / suspension::lattice_viscosity(fluid.tau),
-      channel.symmetry == Symmetry::y);
+      channel.symmetry == Symmetry::y, suspension::Interior::fluid);
   return body.density_ratio < least ? suspension::Interior::solid : suspension::Interior::fluid;
 }
 

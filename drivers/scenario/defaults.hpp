@@ -18,22 +18,21 @@ double default_volume_modulus(const ChannelOptions& channel, const FluidOptions&
 /// lengths in lattice spacings.
 int mesh_frequency(int frequency, double edge, double radius, double half_width);
 
-/// The least density ratio at which a rigid body is stable with fluid inside, in the whole channel
-/// or on the plane of symmetry of half of it, by rigid::least_density_ratio; all lengths in lattice
-/// spacings, retraction below the radius, `missed` as of rigid::Surface. A coarse mesh, which has a
-/// little less area, stands for a fine one.
+/// The least density ratio at which a rigid body is stable, by rigid::least_density_ratio: with
+/// fluid inside in the whole channel or on the plane of symmetry of half of it, as a solid in
+/// either. All lengths in lattice spacings, retraction below the radius, `missed` as of
+/// rigid::Surface. A coarse mesh, which has a little less area, stands for a fine one.
 double least_density_ratio(const surface::Shape& shape, int frequency, double retraction,
-                           double missed, bool half_channel);
+                           double missed, bool half_channel, suspension::Interior interior);
 
 /// retraction of a body, in lattice spacings: what makes its surface felt where it is
-/// (suspension::felt_retraction). Takes the shape and the radius of the body.
+/// (suspension::felt_retraction), of a solid 0.2 more, as inner shells make it felt further out; at
+/// most half of the radius. Takes the shape and the radius of the body.
 double default_retraction(const ChannelOptions& channel, const FluidOptions& fluid,
-                          const BodyOptions& body, double slip);
+                          const BodyOptions& body, double slip, bool solid = false);
 /// Of a rigid body with fluid inside, and its slip (suspension::felt_place); alike.
 suspension::FeltPlace default_place(const ChannelOptions& channel, const FluidOptions& fluid,
                                     const BodyOptions& body);
-/// How much more of it a solid takes: inner shells make the surface felt further out.
-constexpr double solid_retraction = 0.2;
 
 /// interior of a rigid body: a solid where it is too light to be stable with fluid inside, else
 /// fluid. Takes all else that is said of the body.

@@ -119,7 +119,9 @@ Key<T> number_or(std::string_view name, std::optional<double> T::*member, Range 
     } else if (const Value value = number_of(node, range)) {
       table.*member = value;
     } else {
-      throw Complaint{"must be " + expected + point_hint(node)};
+      const std::string hint =
+          node.is_string() ? suggestion(node.value<std::string>().value_or(""), {word}) : "";
+      throw Complaint{"must be " + expected + (hint.empty() ? point_hint(node) : ";" + hint)};
     }
   };
   auto write = [member, quoted](const T& table) {
@@ -359,8 +361,8 @@ const std::vector<Key<RigidOptions>>& rigid_keys() {
           "force per area: what the kernel misses of the fluid's answer. felt: with the retraction "
           "what makes the surface felt where it is, 0.1 at a = 8 dx; 0 of bodies that are solid, "
           "no spheres, or lighter than the fluid, and with a retraction that is given. Of a film "
-          "between two spheres with slip, neither lighter than the fluid, that is too thin for the lattice lubrication theory says "
-          "what is missing. 0: the paper's method"),
+          "between two spheres with slip, neither lighter than the fluid, that is too thin for the "
+          "lattice lubrication theory says what is missing. 0: the paper's method"),
       number("roughness", &R::roughness, between(1e-4, 0.1), "radii",
              "Height of a sphere's roughness: two spheres with slip, neither lighter than the "
              "fluid, touch where the gap between them is the mean of theirs"),

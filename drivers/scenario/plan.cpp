@@ -46,7 +46,7 @@ suspension::BodyPlan body_plan(const BodyOptions& body, const fluid::Options& fl
   plan.shape = surface::make_shape(body.shape, radius);
   plan.centre = units.lattice_position({body.x, body.y, body.z});
   plan.rotation = Eigen::AngleAxisd(body.rotation_angle * std::numbers::pi / 180,
-                                    Eigen::Vector3d(body.rotation_axis.data()).normalized())
+                                    Eigen::Vector3d(body.rotation_axis.data()).stableNormalized())
                       .toRotationMatrix();
   const bool capsule = body.kind == BodyKind::capsule;
   const int frequency = capsule ? body.membrane.frequency : body.rigid.frequency;

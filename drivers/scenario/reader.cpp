@@ -37,8 +37,7 @@ void place_markers(const Scenario& s, bool any_interior, BodyOptions& body) {
   if (any_interior) rigid.interior = default_interior(s.channel, s.fluid, body);
   if (rigid.interior == suspension::Interior::fluid) return;
   if (slip_felt) rigid.slip = 0;
-  if (felt)
-    rigid.retraction = default_retraction(s.channel, s.fluid, body, *rigid.slip) + solid_retraction;
+  if (felt) rigid.retraction = default_retraction(s.channel, s.fluid, body, *rigid.slip, true);
 }
 
 /// Reads a document into a scenario.
@@ -90,16 +89,6 @@ class Reader {
       if (hint.empty()) hint = " the keys are " + joined(known);
       document_.fail_key(path + shown_key(key.str()), key, node, "unknown key;" + hint);
     }
-  }
-
-  static std::string name_from(const std::string& file) {
-    std::string name = std::filesystem::path(file).stem().string().substr(0, 64);
-    for (char& c : name) {
-      if (static_cast<unsigned char>(c) >= 128 ||
-          (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_'))
-        c = '-';
-    }
-    return name.empty() ? "run" : name;
   }
 
   template <class T>

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 
 namespace ductile::drivers {
@@ -59,6 +60,14 @@ bool is_name(std::string_view text) {
   return !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](unsigned char c) {
     return (c < 128 && std::isalnum(c) != 0) || c == '-' || c == '_';
   });
+}
+
+std::string name_from(const std::string& file) {
+  std::string name = std::filesystem::path(file).stem().string().substr(0, 64);
+  for (char& c : name) {
+    if (!is_name(std::string_view(&c, 1))) c = '-';
+  }
+  return name.empty() ? "run" : name;
 }
 
 std::string short_name(std::string_view key) {

@@ -19,6 +19,8 @@ std::string shortened(std::string text, std::size_t limit);
 /// XML and --set paths.
 bool is_name(std::string_view text);
 constexpr std::string_view name_rule = "a name of 1 to 64 letters, digits, '-' or '_'";
+/// A name for what stands in a file: that of the file, with '-' for what names may not have.
+std::string name_from(const std::string& file);
 
 /// A key of a scenario as a part of a file's name: "nodes" of "channel.nodes", "lag-x" of
 /// "body.lag.x"; and a value in TOML likewise: 24.0 is "24", "trt" has no quotes, and what is no

@@ -166,6 +166,21 @@ TEST(Sweep, AComplaintSaysWhere) {
   EXPECT_EQ(refusal(many), "c.toml: 1000000 cases: at most 10000 in a campaign");
 }
 
+TEST(Sweep, HasANameThatADirectoryMayHave) {
+  const std::string text = "scenario = \"M1\"\n";
+  EXPECT_EQ(parse_sweep(text, "a/Re-map.toml").name, "Re-map");
+  EXPECT_EQ(parse_sweep(text, "...toml").name, "--");
+  EXPECT_EQ(parse_sweep(text, "a b.toml").name, "a-b");
+}
+
+TEST(Sweep, WordsAreWordsInTheNamesOfCases) {
+  const Sweep sweep = parse_sweep(
+      "scenario = \"M3\"\n[[axis]]\nkey = \"rigid.slip\"\nvalues = [\"felt\", 0.0]\n", "c.toml");
+  ASSERT_EQ(sweep.cases.size(), 2U);
+  EXPECT_EQ(sweep.cases[0].name, "slip_felt");
+  EXPECT_EQ(sweep.cases[1].name, "slip_0");
+}
+
 // A bad value is its case's; what all cases have in common is the file's.
 TEST(Sweep, ACaseIsRefusedAlone) {
   const std::string head = "scenario = \"M1\"\n[[axis]]\nkey = \"channel.reynolds\"\n";

@@ -427,5 +427,20 @@ TEST(Check, ReportSaysWhatTheRunWouldBe) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
 }
 
+TEST(Check, ReportSaysWhereARigidBodyIsFeltAndWhetherItHasFilms) {
+  const auto said = [](const std::vector<Override>& overrides) {
+    return report(parse_case("[[body]]\nname = \"a\"\nkind = \"rigid\"\n", "case.toml", overrides),
+                  2, std::nullopt);
+  };
+  EXPECT_NE(
+      said({}).find("markers 0.389 dx inside of the surface, slip 0.0912 dx: films between it "
+                    "and its like, which touch at a roughness of 0.001 radii"),
+      std::string::npos)
+      << said({});
+  EXPECT_NE(said({set("rigid.retraction", "0.25")})
+                .find("markers 0.25 dx inside of the surface, slip 0 dx: no films"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace ductile::drivers

@@ -218,9 +218,12 @@ TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
   std::filesystem::remove_all(directory);
   EXPECT_EQ(refused(arguments), "");
   EXPECT_FALSE(std::filesystem::exists(directory));
-  // What a run leaves that was killed before it began is no run.
+  // What a run leaves that was killed before it began is no run, but without its lock another's.
   std::filesystem::create_directories(directory);
   std::ofstream(directory / "scenario.toml.part") << "half of";
+  std::ofstream(directory / "log.txt") << "of a run, or the user's";
+  EXPECT_NE(refused(arguments), "");
+  std::ofstream(directory / "lock") << "process 1 on a\n";
   EXPECT_EQ(refused(arguments), "");
 }
 
@@ -241,6 +244,17 @@ TEST(CommandLine, MistakesGetOneLine) {
   EXPECT_EQ(refused({"check", scenario_dir + "/M1.toml", "--set", "nodes"}),
             "--set nodes: must be KEY=VALUE, such as --set channel.nodes=48 or --set "
             "body.lag.x=0.1");
+  EXPECT_EQ(refused({"pair", "M1", "--x-lag", "0.1", "--set", "body.lag.x=0.2"}),
+            "--x-lag 0.1 and --set body.lag.x=0.2: give body.lag.x once");
+  // One command, and no option without its value.
+  EXPECT_EQ(refused({"check", "a.toml", "run", "a.toml"}),
+            "ductile check run: not understood; see ductile check --help");
+  EXPECT_EQ(refused({"run", "a.toml", "--max-walltime", ""}),
+            "ductile run: --max-walltime is empty: give it a value, or leave it out");
+  EXPECT_EQ(refused({"campaign", "runs", "--case", ""}),
+            "ductile campaign: --case is empty: give it a value, or leave it out");
+  EXPECT_EQ(refused({"check", ""}),
+            "ductile check: FILE is empty: give it a value, or leave it out");
   EXPECT_EQ(refused({"check", "absent.toml"}),
             "absent.toml: cannot be read: No such file or directory");
 }

@@ -289,6 +289,12 @@ TEST(Plan, TheCellsAxisTurnsAsTheRotationSays) {
   const Eigen::Vector3d turned = s.bodies[1].rotation * Eigen::Vector3d::UnitZ();
   EXPECT_LT((turned - Eigen::Vector3d::UnitX()).norm(), 1e-15);
   EXPECT_EQ(s.bodies[0].rotation, Eigen::Matrix3d::Identity());
+  // Of any length, also where its square is no number.
+  for (const char* axis : {"[0, 1e200, 0]", "[0, 1e-200, 0]"}) {
+    const Plan extreme =
+        plan({set("body.lag.rotation_axis", axis), set("body.lag.rotation_angle", "90")});
+    EXPECT_LT((extreme.bodies[1].rotation - s.bodies[1].rotation).norm(), 1e-15) << axis;
+  }
 }
 
 TEST(Plan, MeshesAreAsFineAsTheEdgeDemandsOrAsTheFrequencySays) {

@@ -490,7 +490,7 @@ TEST(Scenario, EveryMistakeGetsOneLineWithItsPlace) {
        "the body"},
       {"[channel]\nnodes = 16\n" + capsule + "radius = 0.2\n",
        "case.toml:2:9: channel.nodes = 16: too few nodes: the radius of body \"a\" is 1.6 lattice "
-       "spacings, at least 2 are needed: raise channel.nodes to 20"},
+       "spacings, at least 2 are needed: raise channel.nodes to 20 or make it larger"},
       // what is not symmetric about y = 0
       {"[channel]\nsymmetry = \"x\"\n",
        "case.toml:2:12: channel.symmetry = \"x\": must be \"none\" or \"y\"; did you mean \"y\"?"},
@@ -574,6 +574,12 @@ TEST(Scenario, ALightBodyIsSolidUnlessToldOtherwiseAndThenRefused) {
   EXPECT_EQ(interior(whole + body("0.5", "0.84")), fluid);
   EXPECT_EQ(interior(half + body("0.5", "0.84")), solid);
   EXPECT_EQ(interior(half + body("0.58", "0.84")), fluid);
+  // A small solid has its shells too, and what is too light for them is refused by its bound.
+  EXPECT_EQ(interior("[channel]\nnodes = 16\n" + body("0.7", "0.25") + "interior = \"solid\"\n"),
+            solid);
+  EXPECT_NE(refusal("[channel]\nnodes = 16\n" + body("0.5", "0.25") + "interior = \"solid\"\n")
+                .find("a.density_ratio = 0.5: must be at least 0.637 for a solid of this size"),
+            std::string::npos);
   // Markers inside of the surface have less area.
   EXPECT_EQ(interior(channel + body("0.6") + "retraction = 0\n"), fluid);
   EXPECT_EQ(interior(channel + body("0.62") + "retraction = 1\n"), solid);
