@@ -210,6 +210,20 @@ std::vector<std::string> notes(const Case& given) {
         some_of(names), k_v, plan.units.lattice_pressure(k_v), paper_volume_modulus,
         plan.units.lattice_pressure(paper_volume_modulus)));
   }
+  // What is asked for, and nothing asks: a roughness where no two can touch.
+  if (std::ranges::count_if(plan.bodies, suspension::has_films) < 2) {
+    std::vector<std::string> rough;
+    for (const suspension::BodyPlan& body : plan.bodies) {
+      if (body.rigid() != nullptr && body.rigid()->roughness != rigid::usual_roughness)
+        rough.push_back(body.name);
+    }
+    if (!rough.empty()) {
+      list.push_back(fmt::format(
+          "roughness of {} has no effect: only rigid spheres with slip have films, and there are "
+          "no two",
+          some_of(rough)));
+    }
+  }
   return list;
 }
 

@@ -352,9 +352,11 @@ void CampaignCommand::run_case(const Request& request, Afterwards& afterwards) c
   if (directory.result(entry->entry).state == CaseState::ended) return;
   EngineOptions options = engine_options(max_walltime_);
   options.ranks = ranks_.empty() ? 1 : number_of("--ranks", ranks_, most_ranks);
-  afterwards.work = [directory, name = case_, options] {
+  afterwards.work = [directory, entry = entry->entry, options] {
     const Signals signals;
-    const int code = run_one(directory, name, options, [&] { return signals.stop(); });
+    const int code = run_one(directory, entry.name, options, [&] { return signals.stop(); });
+    const CaseResult result = directory.result(entry);
+    if (result.state == CaseState::failed) say(stderr, "{}: {}\n", entry.name, result.reason);
     return code == exit_blow_up || code == exit_contact ? static_cast<int>(exit_success) : code;
   };
 }

@@ -427,6 +427,17 @@ TEST(Check, ReportSaysWhatTheRunWouldBe) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
 }
 
+TEST(Check, NotesARoughnessThatNothingFeels) {
+  const auto said = [](const std::string& more, const std::string& slip) {
+    return notes(parse_case("[[body]]\nname = \"a\"\nkind = \"rigid\"\n" + more, "case.toml",
+                            {set("rigid.roughness", "0.01"), set("rigid.slip", slip)}));
+  };
+  const std::string another = "[[body]]\nkind = \"rigid\"\nz = 2\n";
+  EXPECT_EQ(said("", "\"felt\"").size(), 1U);
+  EXPECT_EQ(said(another, "0.0").size(), 1U);
+  EXPECT_EQ(said(another, "\"felt\"").size(), 0U);
+}
+
 TEST(Check, ReportSaysWhereARigidBodyIsFeltAndWhetherItHasFilms) {
   const auto said = [](const std::vector<Override>& overrides) {
     return report(parse_case("[[body]]\nname = \"a\"\nkind = \"rigid\"\n", "case.toml", overrides),
