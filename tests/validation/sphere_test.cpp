@@ -40,16 +40,20 @@ double axial_velocity(double radius_over_w) {
   coupling::Coupler coupler(fluid, {{0, &markers}}, 1);
   for (int n = 0; n < 3000; ++n) coupler.step();
   EXPECT_NEAR(body.state().position.x(), centre, 1e-6);
-  return body.state().velocity.z() / maximum;
+  const double velocity = body.state().velocity.z() / maximum;
+  std::printf("U/U_max = %.5f\n", velocity);
+  return velocity;
 }
 
-// Faxen: U/U_max = 1 - (a/W)^2/1.768112 on the axis of the square duct.
+// Faxen: U/U_max = 1 - (a/W)^2/1.768112 on the axis of the square duct. Measured: .2% slower; with
+// markers on the surface it would be felt by half a spacing larger, .6% slower.
 TEST(FreeSphere, MovesOnTheAxisWithFaxensVelocity) {
-  EXPECT_NEAR(axial_velocity(0.2), 0.977377, 0.01 * 0.977377);
+  EXPECT_NEAR(axial_velocity(0.2), 0.977377, 0.004 * 0.977377);
 }
-// At a = 0.4 W the wall's own correction counts, about 0.005 by analogy with the tube.
+// At a = 0.4 W the wall's own correction counts, about 0.005 by analogy with the tube. Measured: .7%
+// slower.
 TEST(FreeSphere, OfTheSizeOfThePapersMovesOnTheAxisAsExpected) {
-  EXPECT_NEAR(axial_velocity(0.4), 0.9095 + 0.005, 0.015 * 0.9145);
+  EXPECT_NEAR(axial_velocity(0.4), 0.9095 + 0.005, 0.01 * 0.9145);
 }
 
 TEST(SphereTowardsAWall, IsResistedAsBrennersSeriesSays) {
