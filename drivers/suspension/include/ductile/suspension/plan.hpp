@@ -111,7 +111,8 @@ struct Plan {
 
   /// Throws std::invalid_argument, naming the value, if the plan contradicts itself: units of
   /// another fluid, a developed flow where none is known, a body without a shape, names that are
-  /// empty or taken, or a body with films (has_films()) that is not on the mirror plane. What the solvers refuse is theirs to say.
+  /// empty or taken, or a body with films (has_films()) that is not on the mirror plane. What the
+  /// solvers refuse is theirs to say.
   void check() const;
 
   [[nodiscard]] bool side_walls() const { return fluid.boundary[1] != fluid::Boundary::periodic; }
