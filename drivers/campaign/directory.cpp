@@ -23,8 +23,9 @@ using nlohmann::json;
 /// Nothing where there is no such file, or it is no JSON.
 json read_json(const fs::path& file) {
   std::error_code error;
+  if (!fs::is_regular_file(file, error)) return nullptr;
   std::ifstream in(file, std::ios::binary);
-  if (!in || !fs::is_regular_file(file, error)) return nullptr;
+  if (!in) return nullptr;
   return json::parse(in, nullptr, false);
 }
 

@@ -363,16 +363,23 @@ void CampaignCommand::run_case(const Request& request, Afterwards& afterwards) c
 
 namespace {
 
-// A campaign may grow, and its file be called otherwise; one that has no case in common with that
-// of the directory is another, which would take its place.
+// A campaign may grow, have other axes, or its file be called otherwise; one of another name that
+// has no case in common with that of the directory is another, which would take its place.
 void require_kin(const CampaignDirectory& directory, const CampaignCommand::Request& request) {
   std::error_code error;
   if (!fs::exists(directory.index(), error)) return;
-  const Campaign before = directory.read();
-  const bool kin = std::ranges::any_of(before.cases, [&](const CampaignCase& old) {
-    return std::ranges::any_of(request.cases,
-                               [&](const ReadCase& read) { return read.entry.name == old.name; });
-  });
+  Campaign before;
+  try {
+    before = directory.read();
+  } catch (const InputError&) {
+    return;  // it is laid out again from its file
+  }
+  const bool kin = before.name == request.name ||
+                   std::ranges::any_of(before.cases, [&](const CampaignCase& old) {
+                     return std::ranges::any_of(request.cases, [&](const ReadCase& read) {
+                       return read.entry.name == old.name;
+                     });
+                   });
   if (kin) return;
   throw InputError(
       fmt::format("{}: has a campaign {}, of which {} has no case: add --force to put it in its "
@@ -386,7 +393,9 @@ void CampaignCommand::check_ranks(const std::vector<Request>& requests, int rank
   int planes = std::numeric_limits<int>::max();  // of the shortest channel
   for (const Request& request : requests) {
     for (const ReadCase& read : request.cases) {
-      if (read.given && chosen(request.name, read.entry.name))
+      const CampaignDirectory directory(request.directory);
+      if (read.given && chosen(request.name, read.entry.name) &&
+          directory.result(read.entry).state != CaseState::ended)
         planes = std::min(planes, read.given->plan.fluid.nodes[2]);
     }
   }

@@ -53,12 +53,18 @@ void require_free(const fs::path& directory, bool force) {
     throw InputError(
         fmt::format("{}: is not a directory: choose another with -o", directory.string()));
   }
-  // What a run leaves that has died before it began is nothing to lose: a lock, and beside that a
-  // log and a file that it was writing.
-  const bool of_a_run = fs::exists(directory / lock_name, error);
-  const auto counts = [of_a_run](const fs::directory_entry& entry) {
+  // What a run leaves that has died before it began is nothing to lose: a lock, files that it was
+  // writing, and beside one of them a log.
+  const auto trace = [](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
-    return name != lock_name && !(of_a_run && (name == log_name || name.ends_with(unfinished)));
+    const auto is_part_of = [&name](std::string_view own) {
+      return name.starts_with(own) && name.substr(own.size()) == unfinished;
+    };
+    return name == lock_name || is_part_of(lock_name) || std::ranges::any_of(own_files, is_part_of);
+  };
+  const bool of_a_run = std::any_of(fs::directory_iterator(directory, error), {}, trace);
+  const auto counts = [&](const fs::directory_entry& entry) {
+    return !trace(entry) && !(of_a_run && entry.path().filename() == log_name);
   };
   const bool empty = std::none_of(fs::directory_iterator(directory, error), {}, counts);
   if (!force && !empty) {

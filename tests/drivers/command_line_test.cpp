@@ -218,13 +218,18 @@ TEST(CommandLine, AFilledDirectoryIsLeftAloneUnlessForced) {
   std::filesystem::remove_all(directory);
   EXPECT_EQ(refused(arguments), "");
   EXPECT_FALSE(std::filesystem::exists(directory));
-  // What a run leaves that was killed before it began is no run, but without its lock another's.
+  // What a run leaves that was killed before it began is no run; other files are somebody's.
   std::filesystem::create_directories(directory);
-  std::ofstream(directory / "scenario.toml.part") << "half of";
-  std::ofstream(directory / "log.txt") << "of a run, or the user's";
+  for (const char* trace : {"lock.part", "lock", "scenario.toml.part"}) {
+    std::ofstream(directory / trace) << "half of";
+    std::ofstream(directory / "log.txt") << "of this run";
+    EXPECT_EQ(refused(arguments), "") << trace;
+    std::filesystem::remove(directory / trace);
+    EXPECT_NE(refused(arguments), "") << "a log of another kind, without " << trace;
+  }
+  std::filesystem::remove(directory / "log.txt");
+  std::ofstream(directory / "thesis.part") << "no run's";
   EXPECT_NE(refused(arguments), "");
-  std::ofstream(directory / "lock") << "process 1 on a\n";
-  EXPECT_EQ(refused(arguments), "");
 }
 
 TEST(CommandLine, MistakesGetOneLine) {

@@ -102,6 +102,8 @@ def main():
     made_by = work / "made-by"
     own = hashlib.sha256(Path(program).read_bytes()).hexdigest()
     if not made_by.exists() or made_by.read_text(encoding="ascii") != own:
+        if work.exists() and not (made_by.exists() or (work / "M2").is_dir()):
+            return f"{work}: is no study: choose another directory"
         shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True, exist_ok=True)
     made_by.write_text(own, encoding="ascii")
