@@ -123,12 +123,12 @@ print(f"{tried} full disks at {operations} operations, {ended} of them noticed")
 endless = ["--set", "run.time_limit=1000", "--set", "channel.reynolds=0.01"]
 
 # Signals. The endless run ends within seconds, with its code, summary and picture. mpirun is to wait
-# for a slow disk, a second by default.
+# five seconds for a slow disk, in place of one.
 for ranks, sent, expected in ((1, signal.SIGTERM, 5), (1, signal.SIGINT, 5), (1, signal.SIGUSR2, 5),
                               (2, signal.SIGUSR2, 5), (2, signal.SIGTERM, None)):
     directory = fresh("signal")
     process = start(ranks, "run", scenario, *endless, "--set", "run.checkpoint_every=0", "-o",
-                    directory, OMPI_MCA_odls_base_sigkill_timeout="20")
+                    directory, OMPI_MCA_odls_base_sigkill_timeout="5")
     wait_for(os.path.join(directory, "frames", "000001.h5"))
     # A checkpoint on demand, and the run goes on.
     process.send_signal(signal.SIGUSR1)
