@@ -101,7 +101,8 @@ _METHODS = {
                        "on a lattice that goes along with the bodies, and the density is the "
                        "pressure alone; the membranes have a small mobility, by which strain "
                        "relaxes that the lattice cannot see, and edges of about a lattice "
-                       "spacing."),
+                       "spacing; what the lattice does not resolve of the film between two rigid "
+                       "spheres comes from lubrication theory."),
     "paper": ("The paper's",
               "As in the paper markers lie on the surfaces, which are felt some tenths of a "
               "lattice spacing outside of them, the lattice is at rest, and the density weighs in "
