@@ -392,8 +392,8 @@ void require_kin(const CampaignDirectory& directory, const CampaignCommand::Requ
 void CampaignCommand::check_ranks(const std::vector<Request>& requests, int ranks) const {
   int planes = std::numeric_limits<int>::max();  // of the shortest channel
   for (const Request& request : requests) {
+    const CampaignDirectory directory(request.directory);
     for (const ReadCase& read : request.cases) {
-      const CampaignDirectory directory(request.directory);
       if (read.given && chosen(request.name, read.entry.name) &&
           directory.result(read.entry).state != CaseState::ended)
         planes = std::min(planes, read.given->plan.fluid.nodes[2]);

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <string>
-#include <tuple>
 
 #include "ductile/rigid/body.hpp"
 #include "ductile/surface/mesh.hpp"
@@ -70,14 +67,7 @@ suspension::FeltPlace default_place(const ChannelOptions& channel, const FluidOp
                                     const BodyOptions& body) {
   const double radius = body.radius * suspension::half_width(channel.nodes, channel.walls);
   if (!(radius >= 2)) return {};  // refused later
-  // Some 25 ms; the bodies of a suspension have few radii.
-  const fluid::Options options = collision_of(fluid);
-  static std::map<std::tuple<std::string, double, double>, suspension::FeltPlace> known;
-  const auto [place, is_new] =
-      known.try_emplace({body.shape, radius, suspension::magic_of(options)});
-  if (is_new)
-    place->second = suspension::felt_place(*surface::make_shape(body.shape, radius), options);
-  return place->second;
+  return suspension::felt_place(*surface::make_shape(body.shape, radius), collision_of(fluid));
 }
 
 suspension::Interior default_interior(const ChannelOptions& channel, const FluidOptions& fluid,

@@ -430,8 +430,7 @@ const std::vector<Key<RunLimits>>& run_keys() {
       flag("until_decided", &R::until_decided, "Stop as soon as the verdict of a pair is certain"),
       flag("stop_at_contact", &R::stop_at_contact,
            "Stop when the markers of two bodies meet, which the fluid between them prevents as far "
-           "as it is resolved; "
-           "false: say so and go on"),
+           "as it is resolved; false: say so and go on"),
       number(
           "checkpoint_every", &R::checkpoint_every, between(0, 1e4), "minutes",
           "Interval of the clock on the wall between checkpoints, of which the last two are kept; "
